@@ -1,0 +1,1 @@
+"""Skies, weather and worlds, rendered in real time on WebGPU."""
