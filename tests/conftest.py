@@ -40,7 +40,7 @@ def device() -> Iterator[Device]:
 
 @pytest.fixture
 def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
-    """``golden("name", picture, atol=3, fraction=0.002)`` compares with tests/golden/name.png; see golden.py."""
+    """``golden("name", picture, atol=3, fraction=0.002)`` compares with tests/golden/name.png."""
     from golden import compare
 
     update = request.config.getoption("--update-golden")

@@ -1,4 +1,4 @@
-"""Golden pictures: small PNGs that a test's picture must resemble, with the difference written when it does not.
+"""Golden pictures: small PNGs that a test's picture must resemble, and a difference image when it does not.
 
 Software Vulkan drivers of different versions round differently, so a comparison states two tolerances: by how
 many 8-bit levels a channel may differ (``atol``), and what fraction of the pixels may differ by more.
@@ -63,7 +63,8 @@ def compare(
         _save(output, name, actual, difference)
         pytest.fail(
             f"{path.name}: {outside:.2%} of the pixels differ by more than {atol:g} levels "
-            f"(allowed {fraction:.2%}; largest {difference.max()}, mean {difference.mean():.2f}); see {output / name}.difference.png",
+            f"(allowed {fraction:.2%}; largest {difference.max()}, mean {difference.mean():.2f}); "
+            f"see {output / name}.difference.png",
             pytrace=False,
         )
 
