@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
 os.environ.setdefault("LP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // _workers)))
 
-OUTPUT = Path(__file__).parent / "output"
+OUTPUT = Path(__file__).parent / "failed"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

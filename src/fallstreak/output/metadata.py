@@ -1,0 +1,94 @@
+"""What a file says about itself, and whether it is the file a resumed sequence expects.
+
+Metadata is one flat mapping of JSON values. It holds nothing that differs between two runs of one command. In
+a PNG it is the `iTXt` chunk "fallstreak", in EXR the attribute `fallstreak`, in .npz the entry `metadata`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from fallstreak.output.exr import read_exr_text
+from fallstreak.output.npz import read_npz_text
+from fallstreak.output.png import read_png_text
+
+KEYWORD = "fallstreak"
+
+
+def canonical(metadata: Mapping[str, Any]) -> str:
+    """The one spelling of metadata: JSON, keys sorted, times as ISO 8601."""
+    return json.dumps(_plain(metadata), sort_keys=True, ensure_ascii=False, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    """Only what JSON knows; numpy scalars become numbers, tuples lists, dates text."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, date):
+        return value.isoformat()
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    return float(value) if isinstance(value, float) else str(value)
+
+
+def png_text(metadata: Mapping[str, Any]) -> dict[str, str]:
+    """The text chunks of a PNG: the standard keywords, and everything under `KEYWORD`."""
+    text = {"Software": f"fallstreak {metadata.get('version', '')}".strip()}
+    if "scene" in metadata:
+        text["Title"] = str(metadata["scene"])
+    text[KEYWORD] = canonical(metadata)
+    return text
+
+
+def read_metadata(path: str | os.PathLike) -> dict[str, Any] | None:
+    """What fallstreak wrote into a picture, or None if the file is not whole, not ours or not there.
+
+    Parameters
+    ----------
+    path : path-like
+        A .png, .exr or .npz file.
+
+    Examples
+    --------
+    >>> read_metadata("no such picture.png") is None
+    True
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix == ".png":
+        text = (read_png_text(path) or {}).get(KEYWORD)
+    elif suffix == ".exr":
+        text = read_exr_text(path)
+    elif suffix == ".npz":
+        text = read_npz_text(path)
+    else:
+        return None
+    try:
+        metadata = json.loads(text) if text else None
+    except ValueError:
+        return None
+    return metadata if isinstance(metadata, dict) else None
+
+
+def describes(metadata: Mapping[str, Any], expected: Mapping[str, Any]) -> bool:
+    """Whether `metadata` says of every key in `expected` what is expected."""
+    plain = json.loads(canonical(metadata))
+    return all(key in plain and plain[key] == value for key, value in json.loads(canonical(expected)).items())
+
+
+def is_whole(path: str | os.PathLike, expected: Mapping[str, Any] | None = None) -> bool:
+    """Whether the file at `path` is complete and undamaged and, if given, carries the expected metadata.
+
+    Every checksum in the file is verified. This is the question a resumed sequence asks of each file it
+    finds.
+    """
+    metadata = read_metadata(path)
+    return metadata is not None and (expected is None or describes(metadata, expected))

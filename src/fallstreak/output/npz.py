@@ -1,0 +1,53 @@
+"""Arrays for numpy: one entry per layer, and the metadata as JSON text.
+
+`numpy.load(path)` gives `hdr`, `depth`, `normal`, `albedo`, `motion`, `ldr` (what was rendered of these) and
+`metadata`; no pickles. Bytes are the same on every run: numpy dates the entries of its archives 1980.
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fallstreak.output.atomic import replacing
+
+
+def write_npz(path: str | os.PathLike, layers: Mapping[str, np.ndarray], metadata: Mapping[str, Any]) -> None:
+    """Write arrays.
+
+    Parameters
+    ----------
+    path : path-like
+        The file; written beside and renamed.
+    layers : mapping of str to ndarray
+        The arrays by name.
+    metadata : mapping
+        Stored as JSON in the entry `metadata`.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    from fallstreak.output.metadata import canonical
+
+    entries = {**layers, "metadata": np.array(canonical(metadata))}
+    with replacing(path) as beside, open(beside, "wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **entries)
+
+
+def read_npz_text(path: str | os.PathLike) -> str | None:
+    """The metadata of an .npz file if every entry passes its checksum, else None."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if archive.testzip() is not None:
+                return None
+        with np.load(path, allow_pickle=False) as arrays:
+            return str(arrays["metadata"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+        return None

@@ -1,0 +1,8 @@
+import pytest
+
+from .frames import make_frame
+
+
+@pytest.fixture
+def frame():
+    return make_frame()
