@@ -49,17 +49,18 @@ def test_a_full_disk_leaves_the_old_file(suffix, frame, tmp_path):
     before = path.read_bytes()
     script = f"""
         import resource, signal
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
         from tests.output.frames import make_frame
         from fallstreak.output import OutputError, save
+        frame = make_frame(300, 200, seed=2)
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
         try:
-            save(make_frame(seed=2), {str(path)!r})
+            save(frame, {str(path)!r})
         except OutputError as error:
             print("refused:", error)
     """
     result = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script)],
+        [sys.executable, "-B", "-c", textwrap.dedent(script)],
         capture_output=True,
         text=True,
         cwd=os.getcwd(),
