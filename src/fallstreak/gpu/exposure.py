@@ -1,4 +1,4 @@
-"""How bright the film is, as shaders see it: the storage struct `Exposure` of the history buffer `frame.exposure`.
+"""How bright the film is, as shaders see it: the struct `Exposure` of the history buffer `frame.exposure`.
 
 It lies this low in the house because every pass that draws into `frame.hdr` multiplies its luminance by
 `scale` of `frame.exposure@previous`, so that half floats hold starlight and the sun's disc alike.
