@@ -1,4 +1,4 @@
-"""A climb from 1.7 m to 400 km: no dead pixels on the way, and no jump where one method takes over from another."""
+"""A climb from 1.7 m to 400 km: no dead pixels, and no jump where one method takes over from another."""
 
 import numpy as np
 
@@ -31,11 +31,13 @@ def run(report):
         for index in range(FRAMES):
             luminance = renderer.render(float(index)).hdr[..., :3] @ (0.2126, 0.7152, 0.0722)
             bad += int(np.count_nonzero(~np.isfinite(luminance)))
-            # Space over the limb is black by right: dead is a dark pixel that has bright neighbours on all sides.
+            # Space over the limb is black by right: dead is a dark pixel with bright neighbours on all sides.
             dead += _holes(np.nan_to_num(luminance))
             means.append(luminance.mean())
             tiles.append(luminance.reshape(SIZE[1] // 8, 8, SIZE[0] // 8, 8).mean(axis=(1, 3)))
-    how = f"{FRAMES} frames from {LOW} m to {HIGH / 1e3:g} km (equal factors), noon, {SIZE[0]}x{SIZE[1]} low, HDR"
+    how = (
+        f"{FRAMES} frames, {LOW} m to {HIGH / 1e3:g} km by equal factors, noon, {SIZE[0]}x{SIZE[1]} low, HDR"
+    )
     report.add("climb: values not finite", bad, "", goal="== 0", how=how)
     report.add(
         "climb: dead pixels", dead, "", goal="== 0", how=how + "; dark with all eight neighbours bright"
@@ -49,7 +51,7 @@ def run(report):
         "%",
         how=f"{how}; from one frame to the next, here at {heights[worst]:.0f} m",
     )
-    # A tile at the limb turns from bright to black as the limb moves by, so its change is told against the picture.
+    # A tile at the limb turns from bright to black as the limb moves by, so it is compared with the picture.
     changes = np.abs(np.diff(tiles, axis=0)) / means[:-1, None, None]
     worst = int(changes.max(axis=(1, 2)).argmax())
     report.add(

@@ -23,7 +23,7 @@ def run(report):
         (max(sizes) - sizes[0]) / 1e6,
         "MB",
         goal="< 5",
-        how=f"resident memory, largest of frames {SETTLED} to {FRAMES} less frame {SETTLED}; jacksboro 160x90 low",
+        how=f"resident, largest of frames {SETTLED} to {FRAMES} less frame {SETTLED}; jacksboro 160x90 low",
     )
     with fs.Renderer(world, size=(1280, 720), quality="high") as renderer:
         for index in range(2):

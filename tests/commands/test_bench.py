@@ -1,4 +1,4 @@
-"""The benchmark runner: what it writes, how it judges, and that a broken benchmark costs no other its figures."""
+"""The benchmark runner: what it writes, how it judges, what a broken benchmark costs the others: nothing."""
 
 import json
 import math
