@@ -1,0 +1,184 @@
+"""From pydantic's errors to one sentence: file, line, key, value, and what is allowed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from .errors import WorldError, shorten
+from .trees import Tree, lookup
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One source of values: a scene file (with its text, for line numbers) or an override."""
+
+    label: str
+    tree: Tree
+    text: str = field(default="", repr=False)
+
+
+def explain(error: ValidationError, model: type[BaseModel], layers: list[Layer] | None) -> WorldError:
+    """The first of the errors as a sentence; how many others there are is said at its end."""
+    errors = error.errors(include_url=False)
+    first = errors[0]
+    path = _fields_only(first["loc"], model)
+    key = dotted(path)
+    value, kind, context = first["input"], first["type"], first.get("ctx", {})
+    info = field_at(model, path)
+    if kind == "extra_forbidden":
+        problem = f"{key} is not known{suggestion(model, path)}"
+    elif kind == "missing":
+        problem = f"{key} is missing: {allowed(info, model, path)}"
+    elif kind == "value_error":
+        reason = str(context.get("error", first["msg"]))
+        problem = (
+            f"{key} = {shorten(value)} is not allowed: {reason}"
+            if not _is_table(value)
+            else f"{key}: {reason}"
+        )
+    elif kind == "timezone_aware":
+        problem = f"{key} = {shorten(value)} has no zone: add one, such as {shorten_time(value)}Z or …-04:00"
+    else:
+        problem = f"{key} = {shorten(value)} is not allowed: it must be {allowed(info, model, path)}"
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return WorldError(f"{origin(path, layers)}{problem}{more}")
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, (dict, BaseModel))
+
+
+def shorten_time(value: Any) -> str:
+    return value.isoformat() if hasattr(value, "isoformat") else str(value)[:32]
+
+
+def dotted(path: Path) -> str:
+    """("camera", "keyframes", 2, "fov") as camera.keyframes[2].fov."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            name = part if re.fullmatch(r"[A-Za-z0-9_-]{1,60}", part) else shorten(part)
+            text += ("." if text else "") + name
+    return text or "the scene"
+
+
+def origin(path: Path, layers: list[Layer] | None) -> str:
+    """Which file and line, or which override, gave the value: "scene.toml, line 4: "."""
+    for layer in reversed(layers or []):
+        for end in range(len(path), 0, -1):
+            if lookup(layer.tree, path[:end]):
+                line = find_line(layer.text, path[:end]) if layer.text else None
+                return f"{layer.label}, line {line}: " if line else f"{layer.label}: "
+    return f"{layers[-1].label}: " if layers else ""
+
+
+def find_line(text: str, path: Path) -> int | None:
+    """The line of a TOML text where a key is set, by its table header and name; None when it is not plain."""
+    names = [str(part) for part in path if isinstance(part, str)]
+    indices = [part for part in path if isinstance(part, int)]
+    here: list[str] = []
+    seen = -1
+    best: int | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*(\[\[?)\s*([\w.\-\" ]+?)\s*\]\]?\s*(#|$)", line)
+        if header:
+            here = [part.strip(' "') for part in header[2].split(".")]
+            if header[1] == "[[" and here == names[: len(here)]:
+                seen += 1
+            if here == names and (not indices or seen == indices[0]):
+                return number
+            continue
+        key = re.match(r"\s*([\w.\-\"]+)\s*=", line)
+        if key:
+            full = here + [part.strip('"') for part in key[1].split(".")]
+            if indices and len(here) > 1 and seen not in (-1, indices[0]):
+                continue
+            if full == names:
+                return number
+            if full == names[: len(full)]:
+                best = number
+    return best
+
+
+def _fields_only(loc: tuple[int | str, ...], model: type[BaseModel]) -> Path:
+    """The location without what pydantic adds for unions and validators ("function-after[…]")."""
+    return tuple(part for part in loc if isinstance(part, int) or not re.search(r"[\[\]()]", part))
+
+
+def submodel(annotation: Any) -> type[BaseModel] | None:
+    """The model a field holds: itself, or the element of its tuple."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for part in getattr(annotation, "__args__", ()):
+        found = submodel(part)
+        if found:
+            return found
+    return None
+
+
+def model_at(model: type[BaseModel], path: Path) -> type[BaseModel] | None:
+    """The model of the table at a path."""
+    found: type[BaseModel] | None = model
+    for part in path:
+        if isinstance(part, int):
+            continue
+        info = found.model_fields.get(part) if found else None
+        found = submodel(info.annotation) if info else None
+    return found
+
+
+def field_at(model: type[BaseModel], path: Path) -> FieldInfo | None:
+    """The declaration of the field at a path."""
+    names = tuple(part for part in path if isinstance(part, str))
+    parent = model_at(model, names[:-1]) if names else None
+    return parent.model_fields.get(names[-1]) if parent else None
+
+
+def allowed(info: FieldInfo | None, model: type[BaseModel], path: Path) -> str:
+    """What a field takes, in words: "a number from 0 to 100 deg"."""
+    from .describe import describe_field
+
+    if path and info and isinstance(path[-1], str) and submodel(info.annotation):
+        many = "tuple" in str(info.annotation)
+        return "an array of tables" if many else "a table"
+    if info is None:
+        return "a table of sections such as [sky] and [camera]"
+    return describe_field(info, element=isinstance(path[-1], int))
+
+
+def leaves(model: type[BaseModel], prefix: str = "") -> dict[str, str]:
+    """Every dotted key of a model with its last part."""
+    found: dict[str, str] = {}
+    for name, info in model.model_fields.items():
+        found[prefix + name] = name
+        inner = submodel(info.annotation)
+        if inner:
+            found.update(leaves(inner, f"{prefix}{name}."))
+    return found
+
+
+def suggestion(model: type[BaseModel], path: Path) -> str:
+    """ "; did you mean …?" or the keys there are."""
+    name = str(path[-1])[:80]
+    parent = model_at(model, path[:-1])
+    siblings = list(parent.model_fields) if parent else []
+    close = get_close_matches(name, siblings, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean {dotted((*path[:-1], close[0]))}?"
+    elsewhere = leaves(model)
+    exact = [key for key, last in elsewhere.items() if last == name]
+    near = exact or get_close_matches(dotted(path)[:80], elsewhere, n=1, cutoff=0.75)
+    if near:
+        return f"; did you mean {near[0]}?"
+    where = dotted(path[:-1]) if len(path) > 1 else "a scene"
+    return f"; {where} has {', '.join(siblings)}"

@@ -1,0 +1,165 @@
+"""From a scene's name or path, its bases and overrides to a validated World."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from .errors import WorldError, shorten
+from .explain import Layer
+from .source import inside, parse_layer, read_layer
+from .terrain import is_path
+from .trees import Tree, assign, merge, plain
+from .world import World
+
+SCENES = Path(__file__).parent / "scenes"
+MAX_BASES = 8
+
+
+def scene_names() -> list[str]:
+    """The names of the shipped scenes."""
+    return sorted(path.stem for path in SCENES.glob("*.toml"))
+
+
+def load(scene: str | Path | World, overrides: Iterable[str] | Mapping[str, Any] = ()) -> World:
+    """A validated world from a shipped scene's name or a .toml file.
+
+    Parameters
+    ----------
+    scene
+        "jacksboro", "my/scene.toml", a `pathlib.Path`, or a World to be changed.
+    overrides
+        ``["sky.turbidity=4", "time=2025-01-01T08:00Z"]``, values as in TOML, where a bare word is a string; or a
+        mapping of dotted keys to values. Paths in them count from the current directory and may lead anywhere.
+
+    Raises
+    ------
+    WorldError
+        With one sentence that names file, key, value and what is allowed.
+
+    Examples
+    --------
+    >>> load("jacksboro", ["sky.turbidity=4"]).sky.turbidity
+    4.0
+    """
+    if isinstance(scene, World):
+        layers = [Layer("the world", plain(scene._given))]
+        folder = scene.folder
+    else:
+        path, label = find(scene)
+        layers = _with_bases(read_layer(path, label), path)
+        folder = path.parent.absolute()
+    return build(layers + override_layers(overrides), folder)
+
+
+def loads(text: str, overrides: Iterable[str] | Mapping[str, Any] = (), folder: Path | None = None) -> World:
+    """A validated world from the text of a scene; ``folder`` is where its relative paths count from."""
+    layer = parse_layer(text, "scene text", folder)
+    layers = _with_bases(layer, (folder / "scene text") if folder else None)
+    return build(layers + override_layers(overrides), folder)
+
+
+def build(layers: list[Layer], folder: Path | None) -> World:
+    """One world of several layers, the later over the earlier."""
+    tree: Tree = {}
+    for layer in layers:
+        tree = merge(tree, layer.tree)
+    tree.pop("$schema", None)
+    for name in ("__folder__", "__layers__"):
+        tree.pop(name, None)
+    try:
+        return World(**tree, __folder__=folder, __layers__=layers)
+    except RecursionError:
+        raise WorldError(f"{layers[0].label} is nested too deeply") from None
+
+
+def find(scene: str | Path) -> tuple[Path, str]:
+    """The file of a scene and how messages call it."""
+    name = os.fspath(scene)
+    if "\0" in name:
+        raise WorldError(f"{shorten(name)} is not a file name: it holds a NUL character")
+    if isinstance(scene, Path) or name.endswith(".toml") or "/" in name or os.sep in name:
+        return Path(scene), name
+    known = scene_names()
+    if name in known:
+        return SCENES / f"{name}.toml", f"{name} (shipped)"
+    hint = get_close_matches(name, known, n=1, cutoff=0.5)
+    also = f", or ./{name} for the file" if os.path.exists(name) and name else ""
+    raise WorldError(
+        f"there is no scene {shorten(name)}{f'; did you mean {hint[0]}?' if hint else ':'} "
+        f"{'S' if hint else 's'}hipped are {', '.join(known)}; a file's name ends in .toml{also}"
+    )
+
+
+def _with_bases(layer: Layer, path: Path | None) -> list[Layer]:
+    """The scene and all it builds on, the lowest first."""
+    layers = [layer]
+    seen = [path.resolve()] if path else []
+    while "extends" in layers[0].tree:
+        top = layers[0]
+        base = top.tree.pop("extends")
+        if not isinstance(base, str):
+            raise WorldError(
+                f"{top.label}: extends = {shorten(base)} is not allowed: it must be a scene's name or path"
+            )
+        if base in scene_names():
+            path, label = SCENES / f"{base}.toml", f"{base} (shipped)"
+        elif is_path(base):
+            path = inside(base, path.parent if path else None, top.label, "extends")
+            label = base if len(layers) == 1 else str(path)
+            if not path.exists():
+                raise WorldError(f"{top.label}: extends = {shorten(base)}, but there is no such file")
+        else:
+            hint = get_close_matches(base, scene_names(), n=1, cutoff=0.5)
+            raise WorldError(
+                f"{top.label}: extends = {shorten(base)} is not a shipped scene"
+                + (
+                    f"; did you mean {hint[0]}?"
+                    if hint
+                    else f" ({', '.join(scene_names())}), nor a path to a .toml"
+                )
+            )
+        resolved = path.resolve()
+        if resolved in seen:
+            raise WorldError(
+                f"{layer.label}: extends goes in a circle ({' → '.join(p.name for p in [*seen, resolved])})"
+            )
+        if len(seen) > MAX_BASES:
+            raise WorldError(f"{layer.label}: extends goes deeper than {MAX_BASES} scenes")
+        seen.append(resolved)
+        layers.insert(0, read_layer(path, label))
+    return layers
+
+
+def override_layers(overrides: Iterable[str] | Mapping[str, Any]) -> list[Layer]:
+    """One layer per override, so that an error can name it."""
+    layers = []
+    pairs = overrides.items() if isinstance(overrides, Mapping) else map(parse_override, overrides)
+    for key, value in pairs:
+        tree: Tree = {}
+        assign(tree, key, plain(value))
+        layers.append(Layer(f"override {key}", tree))
+    return layers
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """ "sky.turbidity=4" as ("sky.turbidity", 4)."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise WorldError(f"{shorten(text)} is not an override: write KEY=VALUE, such as sky.turbidity=4")
+    return key.strip(), parse_value(value.strip())
+
+
+def parse_value(text: str) -> Any:
+    """A TOML value; what is not one (a bare word, a path) is a string."""
+    if len(text) > 4000:
+        raise WorldError(f"an override of {len(text):,} characters is too long, allowed are 4,000")
+    try:
+        parsed = tomllib.loads(f"v = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return parsed["v"] if len(parsed) == 1 else text

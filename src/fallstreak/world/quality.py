@@ -1,0 +1,57 @@
+"""How much work a frame may cost, as plain data: each system's owner adds the fields of that system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """What a quality preset fixes; sizes are texels, steps are samples along a ray."""
+
+    name: str
+    # sky
+    sky_view_size: tuple[int, int] = (192, 108)
+    sky_view_steps: int = 30
+    aerial_size: tuple[int, int, int] = (32, 32, 32)
+    aerial_steps: int = 2  # samples per slice
+    transmittance_size: tuple[int, int] = (256, 64)
+    multiscattering_size: tuple[int, int] = (32, 32)
+    # terrain
+    terrain_error_px: float = 1.5  # greatest error of a node's shape on the screen
+    terrain_grid: int = 32  # quads along a node's side
+    # frame
+    bloom_levels: int = 6
+    temporal: bool = True  # temporal anti-aliasing in sequences
+    default_samples: int = 4  # accumulated frames of a still when --samples is not given
+
+
+_HIGH = Quality("high")
+
+QUALITY: dict[str, Quality] = {
+    "low": replace(
+        _HIGH,
+        name="low",
+        sky_view_size=(128, 72),
+        sky_view_steps=20,
+        aerial_size=(16, 16, 16),
+        transmittance_size=(128, 32),
+        terrain_error_px=4.0,
+        terrain_grid=16,
+        bloom_levels=4,
+        default_samples=1,
+    ),
+    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, bloom_levels=5),
+    "high": _HIGH,
+    "ultra": replace(
+        _HIGH,
+        name="ultra",
+        sky_view_size=(384, 216),
+        sky_view_steps=40,
+        aerial_size=(48, 48, 48),
+        terrain_error_px=0.8,
+        bloom_levels=7,
+        default_samples=32,
+    ),
+}
+"""The presets of ``--quality``, from cheap to fine."""

@@ -1,0 +1,126 @@
+"""The world: everything there is in a scene, as frozen data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AwareDatetime, BeforeValidator, PrivateAttr, ValidationError
+
+from .camera import Camera
+from .errors import WorldError
+from .explain import explain
+from .fields import Number, Section, Whole, choice, quantity, table
+from .film import Film
+from .place import Place
+from .planet import PRESETS, Planet
+from .sky import Sky
+from .terrain import Terrain, is_path
+from .trees import Tree, assign, merge, plain
+
+
+def _moment(value: Any) -> Any:
+    if isinstance(value, (str, datetime)):
+        return value
+    raise ValueError("write a date and time with its zone, such as 2025-10-18T18:20:00-04:00")
+
+
+def _in_almanac(value: Any) -> Any:
+    if isinstance(value, datetime) and not 1700 <= value.year <= 2200:
+        raise ValueError("the almanac of sun and moon holds from 1700 to 2200")
+    return value
+
+
+Moment = Annotated[AwareDatetime, BeforeValidator(_moment, json_schema_input_type=AwareDatetime)]
+
+
+class World(Section):
+    """What there is, where and when. Sections are attributes: ``world.sky.turbidity``, ``world.terrain.height(e, n)``.
+
+    Raises `WorldError` with one sentence when a value is not allowed. Relative paths given here count from the
+    current directory; those in a scene file from the file's folder.
+    """
+
+    name: str = choice("untitled", max_length=200, doc="What the scene is called.")
+    description: str = choice("", max_length=4000, doc="What is to be seen, in a sentence.")
+    seed: Whole = quantity(0, ge=0, le=2**32 - 1, doc="Everything random follows from it.")
+    time: Moment = choice(
+        datetime(2025, 6, 21, 15, 0, tzinfo=UTC),
+        doc="Date and time of the scene's start, with zone (ISO 8601).",
+    )
+    time_scale: Number = quantity(
+        1.0, ge=-1e6, le=1e6, unit="s/s", doc="Seconds that pass in the scene per second of a sequence."
+    )
+    place: Place = table(Place, "Where on the planet the origin is.")
+    planet: Planet = table(Planet, "The body under the scene and its presets.")
+    sky: Sky = table(Sky, "Air, sun, moon and stars.")
+    terrain: Terrain = table(Terrain, "The ground.")
+    camera: Camera = table(Camera, "Where the picture is taken from.")
+    film: Film = table(Film, "Exposure and tone.")
+
+    _given: Tree = PrivateAttr(default_factory=dict)
+    _folder: Path | None = PrivateAttr(default=None)
+
+    def __init__(self, **given: Any) -> None:
+        folder = given.pop("__folder__", None)
+        layers = given.pop("__layers__", None)
+        tree = plain(given)
+        _absolute(tree)
+        try:
+            super().__init__(**with_presets(tree))
+            _in_almanac_or_raise(self.time)
+        except ValidationError as error:
+            raise explain(error, type(self), layers) from None
+        self._given = tree
+        self._folder = folder
+        self.terrain._world = self
+
+    @property
+    def folder(self) -> Path | None:
+        """The folder of the file the world came from; None for one made in Python."""
+        return self._folder
+
+    def updated(self, changes: Mapping[str, Any]) -> World:
+        """This world with changes: ``world.updated({"sky.turbidity": 4, "camera": {"fov": 30}})``.
+
+        Keys are dotted; what was left to ``planet.preset`` follows a new preset.
+        """
+        tree = plain(self._given)
+        for key, value in changes.items():
+            assign(tree, key, plain(value))
+        return World(**tree, __folder__=self._folder)
+
+    def to_toml(self) -> str:
+        """The world as a scene file: what differs from the defaults of its preset. Loads back to an equal world.
+
+        An elevation file inside the world's folder is written relative to it; one elsewhere as an absolute path,
+        which a scene file may not hold: move it beside the scene, or give it by ``--set terrain.file=…``.
+        """
+        from .writing import to_toml
+
+        return to_toml(self)
+
+
+def _in_almanac_or_raise(time: datetime) -> None:
+    if not 1700 <= time.year <= 2200:
+        raise WorldError(
+            f"time = {time.isoformat()} is outside the almanac of sun and moon: allowed are the years 1700 to 2200"
+        )
+
+
+def with_presets(tree: Tree) -> Tree:
+    """The tree over its planet preset's defaults."""
+    planet = tree.get("planet")
+    preset = planet.get("preset", "earth") if isinstance(planet, dict) else "earth"
+    found = PRESETS.get(preset) if isinstance(preset, str) else None
+    return merge(plain(found), tree) if found else tree
+
+
+def _absolute(tree: Tree) -> None:
+    """Resolve paths given in Python or on the command line against the current directory."""
+    terrain = tree.get("terrain")
+    file = terrain.get("file") if isinstance(terrain, dict) else None
+    if isinstance(terrain, dict) and isinstance(file, str) and is_path(file) and "\0" not in file:
+        terrain["file"] = str(Path(file).expanduser().absolute())
