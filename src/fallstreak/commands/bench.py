@@ -23,6 +23,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from fallstreak.world.errors import UserError
+
 _COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "<=": lambda value, bound: value <= bound,
     "<": lambda value, bound: value < bound,
@@ -32,7 +34,7 @@ _COMPARISONS: dict[str, Callable[[float, float], bool]] = {
 }
 
 
-class BenchError(Exception):
+class BenchError(UserError):
     """A benchmark that does not exist or cannot be found, said in one sentence."""
 
 
