@@ -1,7 +1,7 @@
 """The documentation tells the truth: its examples run, its commands exist, its links lead somewhere.
 
-A block that cannot run says so in its first line, with the reason: ``# not run: needs a window``. Pictures are
-made tiny here, since an example is about what it does and not about how large it is.
+A block that cannot run says so in its first line, with the reason: ``# not run: needs a window``. Pictures
+are made tiny here, since an example is about what it does and not about how large it is.
 """
 
 from __future__ import annotations
