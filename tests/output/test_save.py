@@ -93,5 +93,7 @@ def test_parts_of_the_dead_are_removed(tmp_path):
     )
     for pid in (int(dead.stdout), os.getpid()):
         (tmp_path / f".a[1].png.{pid}-77.part").write_bytes(b"half")
-    remove_leftovers(tmp_path / "a[1].png")
-    assert [p.name for p in tmp_path.iterdir()] == [f".a[1].png.{os.getpid()}-77.part"]
+    (tmp_path / f".b.png.{int(dead.stdout)}-77.part").write_bytes(b"somebody else's")
+    remove_leftovers(tmp_path, {"a[1].png"})
+    left = [f".a[1].png.{os.getpid()}-77.part", f".b.png.{int(dead.stdout)}-77.part"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == left

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -62,21 +62,16 @@ def replacing(path: str | os.PathLike) -> Iterator[Path]:
         raise OutputError(f"cannot write {path}: {reason(error)}") from error
 
 
-def remove_leftovers(path: str | os.PathLike) -> None:
-    """Remove hidden parts of `path` that a killed process could not remove itself.
+def remove_leftovers(folder: str | os.PathLike, names: Collection[str]) -> None:
+    """Remove the hidden parts that killed processes left of the named files in `folder`.
 
     Only those whose writer no longer runs on this machine are touched.
     """
-    path = Path(path)
-    for part in path.parent.glob(f".{_escape(path.name)}.*.part"):
-        pid = part.name[len(path.name) + 2 :].split("-", 1)[0]
-        if pid.isdigit() and not _runs(int(pid)):
+    for part in Path(folder).glob(".*.part"):
+        name, _, writer = part.name[1 : -len(".part")].rpartition(".")
+        pid = writer.split("-", 1)[0]
+        if name in names and pid.isdigit() and not _runs(int(pid)):
             part.unlink(missing_ok=True)
-
-
-def _escape(name: str) -> str:
-    """Make `name` literal in a glob."""
-    return "".join(f"[{c}]" if c in "*?[" else c for c in name)
 
 
 def _runs(pid: int) -> bool:
