@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import tempfile
@@ -41,7 +42,7 @@ LIMITS: dict[str, int] = {
     "max-compute-workgroup-size-z": 64,
     "max-compute-workgroups-per-dimension": 65535,
 }
-"""WebGPU's default limits (specification, 3.6.2): asked for by name, since wgpu hands out the adapter's maxima."""
+"""WebGPU's default limits (specification, 3.6.2): asked for, since wgpu hands out the adapter's maxima."""
 
 CAPABILITIES = ("timestamp-query", "float32-filterable", "depth-clip-control")
 """Optional features that anything here may use, always with a fallback."""
@@ -109,6 +110,8 @@ def adapters() -> tuple[AdapterInfo, ...]:
     from wgpu.backends.wgpu_native.extras import set_instance_extras
 
     assert native
+    # A lost device is told by `DeviceLostError`; wgpu's own shout about it would only frighten.
+    logging.getLogger("wgpu").addFilter(lambda record: "lost" not in record.getMessage().lower())
     # OpenGL adapters do not reach WebGPU's limits, and looking for them takes most of the start-up time.
     set_instance_extras(backends=["Primary"])
     found = [_describe(a) for a in wgpu.gpu.enumerate_adapters_sync()]

@@ -75,7 +75,7 @@ class Device:
         self.native.destroy()
 
     def sampler(self, name: str) -> Any:
-        """One of the shared samplers: "linear-clamp", "linear-repeat", "nearest-clamp", "linear-repeat-clamp"."""
+        """One of the shared samplers, by its name in `_SAMPLERS`."""
         if name not in self._samplers:
             if name not in _SAMPLERS:
                 raise GpuError(f"sampler {name!r} is unknown; there are {', '.join(_SAMPLERS)}")

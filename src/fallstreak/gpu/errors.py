@@ -56,8 +56,7 @@ def translate(error: Exception, what: str) -> GpuError:
     if (
         "device is lost" in lowered
         or "device lost" in lowered
-        or ("destroyed" in lowered
-        and "device" in lowered)
+        or ("destroyed" in lowered and "device" in lowered)
     ):
         return DeviceLostError(f"the GPU device was lost while {what}")
     if "out of memory" in lowered or "out-of-memory" in lowered:

@@ -7,23 +7,21 @@ a frame costs Python a few calls a pass and makes no objects of its own but the 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import resources as res
+from .compiled import Compiled
 from .device import Device
 from .errors import GraphError, translated
-from .formats import is_depth
-from .mips import MipMaker
-from .readback import Pending, Readback
-from .resources import BufferDecl, Physical, TextureDecl, Uniform, view_of
-from .schedule import PassDecl, Ref, Schedule, alias, schedule
+from .formats import texel
+from .readback import Pending
+from .resources import BufferDecl, TextureDecl, Uniform
+from .schedule import PassDecl, Ref, Schedule, schedule
 from .steps import ComputeStep, Context, CustomStep, RenderSpec, RenderStep, Step
 from .struct import Struct
-from .timing import Timing
 
 Size = tuple[int, int] | tuple[int, int, int]
 Groups = tuple[int, int, int] | Callable[[], tuple[int, int, int]] | str
@@ -51,14 +49,8 @@ class FrameGraph:
         self.buffers: dict[str, BufferDecl] = {}
         self.uniforms: dict[str, Uniform] = {}
         self._passes: list[PassDecl] = []
-        self._outputs: list[str] = []
-        self._physical: dict[str, Physical] = {}
-        self._steps: list[Step] = []
-        self._schedule: Schedule | None = None
-        self._frame = 0
-        self._readback = Readback(device)
-        self._cpu_ms = {"record": 0.0, "submit": 0.0}
-        self._calls = 0
+        self.outputs: list[str] = []
+        self._compiled: Compiled | None = None
         self.shader_requests: list[dict[str, Any]] = []
         """Every (module, entries, flags, constants, structs) asked for; tests validate each."""
 
@@ -69,7 +61,7 @@ class FrameGraph:
             raise GraphError(f"resource {name!r} is declared twice")
         if any(c in name for c in "@:"):
             raise GraphError(f"resource name {name!r} must not contain @ or :")
-        if self._schedule is not None:
+        if self._compiled is not None:
             raise GraphError(f"resource {name!r} was declared after compile()")
 
     def texture(
@@ -116,8 +108,6 @@ class FrameGraph:
             Make the whole mip chain on the GPU; the format must be filterable and renderable.
         """
         self._declare(name)
-        from .formats import texel
-
         kind, count = texel(format)
         data = np.asarray(data, kind)
         shape = data.shape if count == 1 else data.shape[:-1]
@@ -164,7 +154,7 @@ class FrameGraph:
 
     def output(self, *names: str) -> None:
         """Say that somebody outside reads these; everything that leads to them is kept."""
-        self._outputs.extend(names)
+        self.outputs.extend(names)
 
     # ---- passes ----------------------------------------------------------------------------------------
 
@@ -187,7 +177,7 @@ class FrameGraph:
         Parameters
         ----------
         bind : mapping
-            Shader variable -> resource name or "sampler:…"; whether it is read or written is the shader's word.
+            Shader variable -> resource name or "sampler:…"; the shader says whether it reads or writes.
         groups : tuple, callable or str
             Workgroups; a callable is asked every frame; a string names an indirect buffer.
         when : callable, optional
@@ -198,7 +188,7 @@ class FrameGraph:
         if isinstance(groups, str):
             reads.append(Ref.parse(groups))
 
-        def build() -> Step:
+        def build(made: Compiled) -> Step:
             with translated(f"making the pipeline of {name}"):
                 pipeline = self.device.native.create_compute_pipeline(
                     label=name, layout="auto", compute={"module": native, "entry_point": entry}
@@ -206,9 +196,9 @@ class FrameGraph:
             indirect = None
             fixed = groups
             if isinstance(groups, str):
-                indirect, fixed = self._physical[groups].at(0), None
+                indirect, fixed = made.physical[groups].at(0), None
             return ComputeStep(
-                name, pipeline, self._bind_groups(name, pipeline, linked.bindings, bind), fixed, indirect
+                name, pipeline, made.bind_groups(name, pipeline, linked.bindings, bind), fixed, indirect
             )
 
         self._add(PassDecl(name, reads, writes, build, order, when))
@@ -274,7 +264,7 @@ class FrameGraph:
             if extra:
                 reads.append(Ref.parse(extra))
 
-        def build() -> Step:
+        def build(made: Compiled) -> Step:
             spec = RenderSpec(
                 name=name,
                 native=native,
@@ -294,12 +284,12 @@ class FrameGraph:
             return RenderStep(
                 name,
                 pipeline,
-                self._bind_groups(name, pipeline, linked.bindings, bind),
-                self._attachments(name, color_refs, depth_ref, depth_write),
+                made.bind_groups(name, pipeline, linked.bindings, bind),
+                made.attachments(name, color_refs, depth_ref, depth_write),
                 vertices,
                 instances,
-                self._physical[indirect].at(0) if indirect else None,
-                self._physical[index].at(0) if index else None,
+                made.physical[indirect].at(0) if indirect else None,
+                made.physical[index].at(0) if index else None,
                 indices,
             )
 
@@ -327,8 +317,8 @@ class FrameGraph:
         for text in (*reads, *writes):
             self._require(name, Ref.parse(text))
 
-        def build() -> Step:
-            return CustomStep(name, record, lambda parity: Context(self, parity))
+        def build(made: Compiled) -> Step:
+            return CustomStep(name, record, lambda parity: Context(made, parity))
 
         self._add(
             PassDecl(name, [Ref.parse(r) for r in reads], [Ref.parse(w) for w in writes], build, order, when)
@@ -344,7 +334,7 @@ class FrameGraph:
         )
 
     def _add(self, declared: PassDecl) -> None:
-        if self._schedule is not None:
+        if self._compiled is not None:
             raise GraphError(f"pass {declared.name!r} was added after compile()")
         if any(p.name == declared.name for p in self._passes):
             raise GraphError(f"pass {declared.name!r} is declared twice")
@@ -405,91 +395,6 @@ class FrameGraph:
                 reads.append(ref)
         return reads, writes
 
-    def _bind_groups(
-        self, who: str, pipeline: Any, bindings: Mapping[str, Any], bind: Mapping[str, str]
-    ) -> list[Any]:
-        """The bind group of a pass, once, or twice if it touches a history."""
-        if not bindings:
-            return [None]
-        if any(b.group != 0 for b in bindings.values()):
-            raise GraphError(f"pass {who!r}: all bindings belong into group 0")
-        layout = pipeline.get_bind_group_layout(0)
-        refs = {v: Ref.parse(bind[v]) for v, b in bindings.items() if "sampler" not in b.kind}
-        variants = 2 if any(len(self._physical[r.name].objects) == 2 for r in refs.values()) else 1
-        groups = []
-        for parity in range(variants):
-            entries = []
-            for variable, b in bindings.items():
-                if "sampler" in b.kind:
-                    resource: Any = self.device.sampler(bind[variable].removeprefix("sampler:"))
-                else:
-                    resource = self._bindable(refs[variable], b, parity)
-                entries.append({"binding": b.binding, "resource": resource})
-            with translated(f"binding the resources of {who}"):
-                groups.append(self.device.native.create_bind_group(label=who, layout=layout, entries=entries))
-        return groups
-
-    def _bindable(self, ref: Ref, binding: Any, parity: int) -> Any:
-        if ref.name in self.uniforms:
-            uniform = self.uniforms[ref.name]
-            buffer = self._physical[ref.name].at(0)
-            return {"buffer": buffer, "offset": uniform.offset, "size": uniform.struct.size}
-        physical = self._physical[ref.name]
-        if ref.name in self.buffers:
-            return {"buffer": physical.at(parity, ref.previous)}
-        shape = "2d"
-        for text, dimension in (("_3d", "3d"), ("_cube", "cube"), ("_2d_array", "2d-array")):
-            if text in binding.type:
-                shape = dimension
-        return view_of(
-            physical, self.textures[ref.name], ref, parity, shape, binding.kind == "storage_texture"
-        )
-
-    def _attachments(
-        self, who: str, color: list[Ref], depth: Ref | None, depth_write: bool
-    ) -> list[dict[str, Any]]:
-        """Render pass descriptors, one or two by parity."""
-        refs = [*color, *([depth] if depth else [])]
-        variants = 2 if any(len(self._physical[r.name].objects) == 2 for r in refs) else 1
-        assert self._schedule is not None
-        position = next(i for i, p in enumerate(self._schedule.passes) if p.name == who)
-
-        def load(ref: Ref) -> str:
-            return (
-                "clear" if self._schedule.first_writer.get((ref.name, ref.mip or 0)) == position else "load"
-            )  # type: ignore[union-attr]
-
-        descriptors = []
-        for parity in range(variants):
-            attachments = []
-            for ref in color:
-                decl = self.textures[ref.name]
-                attachments.append(
-                    {
-                        "view": view_of(self._physical[ref.name], decl, ref, parity, "2d", True),
-                        "load_op": load(ref),
-                        "store_op": "store",
-                        "clear_value": decl.clear,
-                    }
-                )
-            descriptor: dict[str, Any] = {"color_attachments": attachments}
-            if depth:
-                decl = self.textures[depth.name]
-                stencil: dict[str, Any] = {
-                    "view": view_of(self._physical[depth.name], decl, depth, parity, "2d", True)
-                }
-                if depth_write:
-                    stencil |= {
-                        "depth_load_op": load(depth),
-                        "depth_store_op": "store",
-                        "depth_clear_value": decl.clear[0],
-                    }
-                else:
-                    stencil["depth_read_only"] = True
-                descriptor["depth_stencil_attachment"] = stencil
-            descriptors.append(descriptor)
-        return descriptors
-
     # ---- compiling and running -------------------------------------------------------------------------
 
     def compile(self) -> None:
@@ -504,20 +409,13 @@ class FrameGraph:
         def mips(name: str) -> int:
             return self.textures[name].mips if name in self.textures else 1
 
-        plan = schedule(self._passes, self._outputs, mips)
+        plan = schedule(self._passes, self.outputs, mips)
         self._validate(plan)
-        self._schedule = plan
-        self._allocate(plan)
-        self.timing = Timing(self.device, len(plan.passes))
-        self._steps = [p.build() for p in plan.passes]
-        for position, step in enumerate(self._steps):
-            step.timed(self.timing.writes(position))
-        self._when = [p.when for p in plan.passes]
-        self._ran = np.zeros(len(plan.passes), bool)
+        self._compiled = Compiled(self, plan)
 
     def _validate(self, plan: Schedule) -> None:
         written = {ref.name for p in plan.passes for ref in p.writes}
-        for name in self._outputs:
+        for name in self.outputs:
             if name not in written:
                 raise GraphError(f"output {name!r} is written by no pass")
         for p in plan.passes:
@@ -530,53 +428,21 @@ class FrameGraph:
                     decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
                     if decl is not None and decl.lifetime != "persistent":
                         raise GraphError(
-                            f"pass {p.name!r} runs only sometimes, so {ref.name!r} must be declared persistent"
+                            f"pass {p.name!r} runs only sometimes: declare {ref.name!r} persistent"
                         )
 
-    def _allocate(self, plan: Schedule) -> None:
-        used = set(plan.first)
-        shared: dict[str, tuple[int, int]] = {}
-        for name, decl in [*self.textures.items(), *self.buffers.items()]:
-            if name not in used:
-                continue
-            if decl.lifetime == "transient":
-                end = len(plan.passes) if name in self._outputs else plan.last[name]
-                shared[name] = (plan.first[name], end)
-            else:
-                copies = 2 if decl.lifetime == "history" else 1
-                self._physical[name] = Physical([self._make(decl) for _ in range(copies)])
-        declared = {**self.textures, **self.buffers}
-        slots = alias(shared, lambda n: declared[n].kind())
-        by_slot: dict[int, list[str]] = {}
-        for name, slot in slots.items():
-            by_slot.setdefault(slot, []).append(name)
-        for names in by_slot.values():
-            first = declared[names[0]]
-            for other in names[1:]:
-                first.usage |= declared[other].usage
-            made = self._make(first)
-            for name in names:
-                self._physical[name] = Physical([made])
-        end = 0
-        for uniform in self.uniforms.values():
-            uniform.offset = end
-            end += -(-uniform.struct.size // 256) * 256
-        if end:
-            self._uniform_buffer = self.device.buffer("uniforms", end, res.UNIFORM | res.COPY_DST)
-            self._uniform_bytes = bytearray(end)
-            for name in self.uniforms:
-                self._physical[name] = Physical([self._uniform_buffer])
+    @property
+    def compiled(self) -> Compiled:
+        """The graph ready to run.
 
-    def _make(self, decl: TextureDecl | BufferDecl) -> Any:
-        if isinstance(decl, BufferDecl):
-            made = self.device.buffer(decl.name, decl.size, decl.usage)
-            if decl.data:
-                self.device.queue.write_buffer(made, 0, decl.data + b"\0" * (-len(decl.data) % 4))
-            return made
-        made = res.allocate_texture(self.device, decl)
-        if decl.data is not None and decl.mips > 1:
-            MipMaker.of(self.device).make(made, decl.format, decl.size, decl.mips)
-        return made
+        Raises
+        ------
+        GraphError
+            Before `compile`.
+        """
+        if self._compiled is None:
+            raise GraphError("the frame graph must be compiled first")
+        return self._compiled
 
     def execute(self) -> None:
         """Record and submit one frame.
@@ -586,108 +452,24 @@ class FrameGraph:
         DeviceLostError
             When the GPU has gone away; nothing of the graph can be used afterwards.
         """
-        if self._schedule is None:
-            raise GraphError("compile() comes before execute()")
-        begin = time.perf_counter()
-        with translated("rendering a frame"):
-            calls = self._upload_uniforms()
-            encoder = self.device.native.create_command_encoder(label="frame")
-            parity = self._frame & 1
-            first = self._frame == 0
-            for position, step in enumerate(self._steps):
-                when = self._when[position]
-                if when is not None and not first and not when():
-                    self._ran[position] = False
-                    step.cpu_ms = 0.0
-                    continue
-                self._ran[position] = True
-                started = time.perf_counter()
-                calls += step.record(encoder, parity)
-                step.cpu_ms = (time.perf_counter() - started) * 1e3
-            self.timing.resolve(encoder)
-            commands = encoder.finish()
-            recorded = time.perf_counter()
-            self.device.queue.submit([commands])
-        self._cpu_ms = {"record": (recorded - begin) * 1e3, "submit": (time.perf_counter() - recorded) * 1e3}
-        self._calls = calls + 4
-        self._frame += 1
-        for uniform in self.uniforms.values():
-            uniform.changed = False
-
-    def _upload_uniforms(self) -> int:
-        dirty = [u for u in self.uniforms.values() if u.changed]
-        if not dirty:
-            return 0
-        for u in dirty:
-            data = u.take()
-            self._uniform_bytes[u.offset : u.offset + len(data)] = data
-        low = min(u.offset for u in dirty)
-        high = max(u.offset + u.struct.size for u in dirty)
-        self.device.queue.write_buffer(self._uniform_buffer, low, bytes(self._uniform_bytes[low:high]))
-        return 1
-
-    # ---- looking in ------------------------------------------------------------------------------------
+        self.compiled.execute()
 
     def read_async(self, name: str, mip: int = 0) -> Pending:
-        """Start reading a resource as the last frame left it; see `Readback`."""
-        ref = Ref.parse(name)
-        physical = self._physical.get(ref.name)
-        if physical is None:
-            raise GraphError(f"{name!r} is not part of the frame, so it cannot be read")
-        source = physical.at((self._frame - 1) & 1, ref.previous)
-        if ref.name in self.textures:
-            decl = self.textures[ref.name]
-            w, h, d = decl.size
-            depth = max(1, d >> mip) if decl.dimension == "3d" else d
-            return self._readback.texture(
-                source, decl.format, (max(1, w >> mip), max(1, h >> mip), depth), mip
-            )
-        return self._readback.buffer(source, self.buffers[ref.name].size)
+        """Start reading a resource as the last frame left it; `.result()` waits for it."""
+        return self.compiled.read_async(name, mip)
 
     def read(self, name: str, mip: int = 0) -> np.ndarray:
         """Read a resource and wait for it. Transients other than outputs may have been overwritten."""
-        return self.read_async(name, mip).result()
+        return self.compiled.read_async(name, mip).result()
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All histories as the last frame left them, for `restore`."""
-        names = [n for n, p in self._physical.items() if len(p.objects) == 2]
-        started = {name: self.read_async(name) for name in names}
-        return {name: pending.result() for name, pending in started.items()}
+        return self.compiled.checkpoint()
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""
-        for name, value in state.items():
-            if name not in self._physical or len(self._physical[name].objects) != 2:
-                raise GraphError(f"checkpoint has {name!r}, which is no history of this frame")
-            target = self._physical[name].at(self._frame & 1, previous=True)
-            if name in self.textures:
-                res.upload_texture(self.device, target, value, self.textures[name].size)
-            else:
-                self.device.queue.write_buffer(target, 0, np.ascontiguousarray(value))
+        self.compiled.restore(state)
 
     def stats(self) -> dict[str, Any]:
         """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU."""
-        if self._schedule is None:
-            raise GraphError("compile() comes before stats()")
-        gpu = self.timing.milliseconds()
-        passes = []
-        for i, step in enumerate(self._steps):
-            ran = bool(self._ran[i])
-            ms = None if gpu is None else (float(gpu[i]) if ran and step.is_timed else 0.0)
-            passes.append({"name": step.name, "ran": ran, "gpu_ms": ms, "cpu_ms": step.cpu_ms})
-        return {
-            "adapter": str(self.device.adapter),
-            "passes": passes,
-            "culled": list(self._schedule.culled),
-            "gpu_ms": None if gpu is None else sum(p["gpu_ms"] for p in passes),
-            "cpu_ms": self._cpu_ms["record"] + self._cpu_ms["submit"],
-            "record_ms": self._cpu_ms["record"],
-            "submit_ms": self._cpu_ms["submit"],
-            "calls": self._calls,
-            "texture_bytes": self.device.texture_bytes,
-            "buffer_bytes": self.device.buffer_bytes,
-        }
-
-    def is_depth(self, name: str) -> bool:
-        """Whether a texture has a depth format."""
-        return is_depth(self.textures[name].format)
+        return self.compiled.stats()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import itertools
+from typing import Any, ClassVar
 from weakref import WeakKeyDictionary
 
 from .device import Device
@@ -12,7 +13,7 @@ from .errors import translated
 class MipMaker:
     """Makes mip chains on one device; pipelines are kept per format."""
 
-    _makers: WeakKeyDictionary[Device, MipMaker] = WeakKeyDictionary()
+    _makers: ClassVar[WeakKeyDictionary[Device, MipMaker]] = WeakKeyDictionary()
 
     def __init__(self, device: Device):
         # The maker is stored under its device, so it must not hold the device itself.
@@ -58,7 +59,7 @@ class MipMaker:
                     )
                     for level in range(mips)
                 ]
-                for above, level in zip(views, views[1:], strict=False):
+                for above, level in itertools.pairwise(views):
                     group = self._native.create_bind_group(
                         layout=layout,
                         entries=[

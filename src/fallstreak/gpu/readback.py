@@ -79,7 +79,7 @@ class Readback:
         return self._start(lambda e, b: e.copy_buffer_to_buffer(source, 0, b, 0, size), size, finish)
 
     def texture(self, source: Any, fmt: str, size: tuple[int, int, int], mip: int = 0) -> Pending:
-        """Start reading a texture as (height, width[, depth]…, components); single components are squeezed."""
+        """Start reading a texture as ([depth,] height, width[, components])."""
         kind, count = texel(fmt)
         w, h, d = size
         row = w * kind.itemsize * count

@@ -8,6 +8,7 @@ Vocabulary after Filament's frame graph.
 from __future__ import annotations
 
 import heapq
+import itertools
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -48,7 +49,7 @@ class PassDecl:
     name: str
     reads: list[Ref]
     writes: list[Ref]
-    build: Callable[[], Any]
+    build: Callable[[Any], Any]
     order: float = 0.0
     when: Callable[[], bool] | None = None
     index: int = 0
@@ -64,7 +65,7 @@ class Schedule:
     """Resource -> position of the first pass that touches it."""
     last: dict[str, int] = field(default_factory=dict)
     first_writer: dict[tuple[str, int], int] = field(default_factory=dict)
-    """(resource, mip) -> position of the pass that writes it first, which is the one that clears attachments."""
+    """(resource, mip) -> position of the pass that writes it first: the one that clears attachments."""
 
 
 def _keys(ref: Ref, mips: Callable[[str], int]) -> Iterable[tuple[str, int]]:
@@ -117,7 +118,7 @@ def schedule(passes: Sequence[PassDecl], outputs: Iterable[str], mips: Callable[
 
     for key, chain in writers.items():
         chain.sort(key=lambda p: (p.order, p.index))
-        for a, b in zip(chain, chain[1:], strict=False):
+        for a, b in itertools.pairwise(chain):
             edge(a, b)
         for reader in readers.get(key, ()):
             for writer in chain:

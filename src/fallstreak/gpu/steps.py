@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .graph import FrameGraph
+    from .compiled import Compiled
 
 _BLENDS: dict[str, dict[str, dict[str, str]]] = {
     "add": {
@@ -60,8 +60,8 @@ class ComputeStep(Step):
         if self._indirect is not None:
             work.dispatch_workgroups_indirect(self._indirect, 0)
         else:
-            x, y, z = self._count() if callable(self._count) else self._count
-            work.dispatch_workgroups(x, y, z)
+            count: Any = self._count() if callable(self._count) else self._count
+            work.dispatch_workgroups(*count)
         work.end()
         return 5
 
@@ -113,15 +113,15 @@ class RenderStep(Step):
 class Context:
     """What a self-recording pass gets."""
 
-    def __init__(self, graph: FrameGraph, parity: int):
-        self._graph, self.parity = graph, parity
+    def __init__(self, compiled: Compiled, parity: int):
+        self._compiled, self.parity = compiled, parity
         self.encoder: Any = None
         self.timestamps: dict[str, Any] | None = None
 
     def resource(self, name: str) -> Any:
         """The wgpu texture or buffer behind a name ("x" or "x@previous")."""
         base, _, version = name.partition("@")
-        return self._graph._physical[base].at(self.parity, version == "previous")
+        return self._compiled.physical[base].at(self.parity, version == "previous")
 
 
 class CustomStep(Step):

@@ -1,0 +1,281 @@
+"""A frame graph ready to run: memory, pipelines, bind groups, and the playing back of a frame."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import resources as res
+from .errors import GraphError, translated
+from .mips import MipMaker
+from .readback import Pending, Readback
+from .resources import BufferDecl, Physical, TextureDecl, view_of
+from .schedule import Ref, Schedule, alias
+from .steps import Step
+from .timing import Timing
+
+if TYPE_CHECKING:
+    from .graph import FrameGraph
+
+
+class Compiled:
+    """What `FrameGraph.compile` makes.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        The declarations.
+    plan : Schedule
+        Order and lifetimes.
+    """
+
+    def __init__(self, graph: FrameGraph, plan: Schedule):
+        self.device = graph.device
+        self.textures, self.buffers, self.uniforms = graph.textures, graph.buffers, graph.uniforms
+        self.plan = plan
+        self._outputs = graph.outputs
+        self._position = {p.name: i for i, p in enumerate(plan.passes)}
+        self.physical: dict[str, Physical] = {}
+        self._readback = Readback(self.device)
+        self._frame = 0
+        self._ms = {"record": 0.0, "submit": 0.0}
+        self._calls = 0
+        self._allocate()
+        self.timing = Timing(self.device, len(plan.passes))
+        self._steps: list[Step] = [p.build(self) for p in plan.passes]
+        for position, step in enumerate(self._steps):
+            step.timed(self.timing.writes(position))
+        self._when = [p.when for p in plan.passes]
+        self._ran = np.zeros(len(plan.passes), bool)
+
+    # ---- memory ----------------------------------------------------------------------------------------
+
+    def _allocate(self) -> None:
+        plan = self.plan
+        used = set(plan.first)
+        shared: dict[str, tuple[int, int]] = {}
+        for name, decl in [*self.textures.items(), *self.buffers.items()]:
+            if name not in used:
+                continue
+            if decl.lifetime == "transient":
+                end = len(plan.passes) if name in self._outputs else plan.last[name]
+                shared[name] = (plan.first[name], end)
+            else:
+                copies = 2 if decl.lifetime == "history" else 1
+                self.physical[name] = Physical([self._make(decl) for _ in range(copies)])
+        declared = {**self.textures, **self.buffers}
+        slots = alias(shared, lambda n: declared[n].kind())
+        by_slot: dict[int, list[str]] = {}
+        for name, slot in slots.items():
+            by_slot.setdefault(slot, []).append(name)
+        for names in by_slot.values():
+            first = declared[names[0]]
+            for other in names[1:]:
+                first.usage |= declared[other].usage
+            made = self._make(first)
+            for name in names:
+                self.physical[name] = Physical([made])
+        end = 0
+        for uniform in self.uniforms.values():
+            uniform.offset = end
+            end += -(-uniform.struct.size // 256) * 256
+        if end:
+            self._uniform_buffer = self.device.buffer("uniforms", end, res.UNIFORM | res.COPY_DST)
+            self._uniform_bytes = bytearray(end)
+            for name in self.uniforms:
+                self.physical[name] = Physical([self._uniform_buffer])
+
+    def _make(self, decl: TextureDecl | BufferDecl) -> Any:
+        if isinstance(decl, BufferDecl):
+            made = self.device.buffer(decl.name, decl.size, decl.usage)
+            if decl.data:
+                self.device.queue.write_buffer(made, 0, decl.data + b"\0" * (-len(decl.data) % 4))
+            return made
+        made = res.allocate_texture(self.device, decl)
+        if decl.data is not None and decl.mips > 1:
+            MipMaker.of(self.device).make(made, decl.format, decl.size, decl.mips)
+        return made
+
+    def bind_groups(
+        self, who: str, pipeline: Any, bindings: Mapping[str, Any], bind: Mapping[str, str]
+    ) -> list[Any]:
+        """The bind group of a pass, once, or twice if it touches a history."""
+        if not bindings:
+            return [None]
+        if any(b.group != 0 for b in bindings.values()):
+            raise GraphError(f"pass {who!r}: all bindings belong into group 0")
+        layout = pipeline.get_bind_group_layout(0)
+        refs = {v: Ref.parse(bind[v]) for v, b in bindings.items() if "sampler" not in b.kind}
+        variants = 2 if any(len(self.physical[r.name].objects) == 2 for r in refs.values()) else 1
+        groups = []
+        for parity in range(variants):
+            entries = []
+            for variable, b in bindings.items():
+                if "sampler" in b.kind:
+                    resource: Any = self.device.sampler(bind[variable].removeprefix("sampler:"))
+                else:
+                    resource = self._bindable(refs[variable], b, parity)
+                entries.append({"binding": b.binding, "resource": resource})
+            with translated(f"binding the resources of {who}"):
+                groups.append(self.device.native.create_bind_group(label=who, layout=layout, entries=entries))
+        return groups
+
+    def _bindable(self, ref: Ref, binding: Any, parity: int) -> Any:
+        if ref.name in self.uniforms:
+            uniform = self.uniforms[ref.name]
+            buffer = self.physical[ref.name].at(0)
+            return {"buffer": buffer, "offset": uniform.offset, "size": uniform.struct.size}
+        physical = self.physical[ref.name]
+        if ref.name in self.buffers:
+            return {"buffer": physical.at(parity, ref.previous)}
+        shape = "2d"
+        for text, dimension in (("_3d", "3d"), ("_cube", "cube"), ("_2d_array", "2d-array")):
+            if text in binding.type:
+                shape = dimension
+        return view_of(
+            physical, self.textures[ref.name], ref, parity, shape, binding.kind == "storage_texture"
+        )
+
+    def attachments(
+        self, who: str, color: list[Ref], depth: Ref | None, depth_write: bool
+    ) -> list[dict[str, Any]]:
+        """Render pass descriptors, one or two by parity."""
+        refs = [*color, *([depth] if depth else [])]
+        variants = 2 if any(len(self.physical[r.name].objects) == 2 for r in refs) else 1
+        position = self._position[who]
+
+        def load(ref: Ref) -> str:
+            first = self.plan.first_writer.get((ref.name, ref.mip or 0))
+            return "clear" if first == position else "load"
+
+        descriptors = []
+        for parity in range(variants):
+            attachments = []
+            for ref in color:
+                decl = self.textures[ref.name]
+                attachments.append(
+                    {
+                        "view": view_of(self.physical[ref.name], decl, ref, parity, "2d", True),
+                        "load_op": load(ref),
+                        "store_op": "store",
+                        "clear_value": decl.clear,
+                    }
+                )
+            descriptor: dict[str, Any] = {"color_attachments": attachments}
+            if depth:
+                decl = self.textures[depth.name]
+                stencil: dict[str, Any] = {
+                    "view": view_of(self.physical[depth.name], decl, depth, parity, "2d", True)
+                }
+                if depth_write:
+                    stencil |= {
+                        "depth_load_op": load(depth),
+                        "depth_store_op": "store",
+                        "depth_clear_value": decl.clear[0],
+                    }
+                else:
+                    stencil["depth_read_only"] = True
+                descriptor["depth_stencil_attachment"] = stencil
+            descriptors.append(descriptor)
+        return descriptors
+
+    # ---- running ---------------------------------------------------------------------------------------
+
+    def execute(self) -> None:
+        """Record and submit one frame; see `FrameGraph.execute`."""
+        begin = time.perf_counter()
+        with translated("rendering a frame"):
+            calls = self._upload_uniforms()
+            encoder = self.device.native.create_command_encoder(label="frame")
+            parity = self._frame & 1
+            first = self._frame == 0
+            for position, step in enumerate(self._steps):
+                when = self._when[position]
+                if when is not None and not first and not when():
+                    self._ran[position] = False
+                    step.cpu_ms = 0.0
+                    continue
+                self._ran[position] = True
+                started = time.perf_counter()
+                calls += step.record(encoder, parity)
+                step.cpu_ms = (time.perf_counter() - started) * 1e3
+            self.timing.resolve(encoder)
+            commands = encoder.finish()
+            recorded = time.perf_counter()
+            self.device.queue.submit([commands])
+        self._ms = {"record": (recorded - begin) * 1e3, "submit": (time.perf_counter() - recorded) * 1e3}
+        self._calls = calls + 4
+        self._frame += 1
+        for uniform in self.uniforms.values():
+            uniform.changed = False
+
+    def _upload_uniforms(self) -> int:
+        dirty = [u for u in self.uniforms.values() if u.changed]
+        if not dirty:
+            return 0
+        for u in dirty:
+            data = u.take()
+            self._uniform_bytes[u.offset : u.offset + len(data)] = data
+        low = min(u.offset for u in dirty)
+        high = max(u.offset + u.struct.size for u in dirty)
+        self.device.queue.write_buffer(self._uniform_buffer, low, bytes(self._uniform_bytes[low:high]))
+        return 1
+
+    # ---- looking in ------------------------------------------------------------------------------------
+
+    def read_async(self, name: str, mip: int = 0) -> Pending:
+        """Start reading a resource as the last frame left it; see `Readback`."""
+        ref = Ref.parse(name)
+        physical = self.physical.get(ref.name)
+        if physical is None:
+            raise GraphError(f"{name!r} is not part of the frame, so it cannot be read")
+        source = physical.at((self._frame - 1) & 1, ref.previous)
+        if ref.name in self.textures:
+            decl = self.textures[ref.name]
+            w, h, d = decl.size
+            depth = max(1, d >> mip) if decl.dimension == "3d" else d
+            return self._readback.texture(
+                source, decl.format, (max(1, w >> mip), max(1, h >> mip), depth), mip
+            )
+        return self._readback.buffer(source, self.buffers[ref.name].size)
+
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """All histories as the last frame left them, for `restore`."""
+        names = [n for n, p in self.physical.items() if len(p.objects) == 2]
+        started = {name: self.read_async(name) for name in names}
+        return {name: pending.result() for name, pending in started.items()}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Make the next frame see these as its `@previous`."""
+        for name, value in state.items():
+            if name not in self.physical or len(self.physical[name].objects) != 2:
+                raise GraphError(f"checkpoint has {name!r}, which is no history of this frame")
+            target = self.physical[name].at(self._frame & 1, previous=True)
+            if name in self.textures:
+                res.upload_texture(self.device, target, value, self.textures[name].size)
+            else:
+                self.device.queue.write_buffer(target, 0, np.ascontiguousarray(value))
+
+    def stats(self) -> dict[str, Any]:
+        """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU."""
+        gpu = self.timing.milliseconds()
+        passes = []
+        for i, step in enumerate(self._steps):
+            ran = bool(self._ran[i])
+            ms = None if gpu is None else (float(gpu[i]) if ran and step.is_timed else 0.0)
+            passes.append({"name": step.name, "ran": ran, "gpu_ms": ms, "cpu_ms": step.cpu_ms})
+        return {
+            "adapter": str(self.device.adapter),
+            "passes": passes,
+            "culled": list(self.plan.culled),
+            "gpu_ms": None if gpu is None else sum(p["gpu_ms"] for p in passes),
+            "cpu_ms": self._ms["record"] + self._ms["submit"],
+            "record_ms": self._ms["record"],
+            "submit_ms": self._ms["submit"],
+            "calls": self._calls,
+            "texture_bytes": self.device.texture_bytes,
+            "buffer_bytes": self.device.buffer_bytes,
+        }

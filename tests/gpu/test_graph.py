@@ -1,0 +1,164 @@
+"""The frame graph on a device: histories, read-back, sometimes-passes, loss, limits, timing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, GraphError, ShaderError
+
+MODULE = "package::gpu::selftest"
+
+
+def counter(device: Device, **options) -> FrameGraph:
+    """A frame that adds one to what it was."""
+    graph = FrameGraph(device)
+    graph.texture("count", "r32float", (20, 10), history=True)
+    graph.compute(
+        "count", MODULE, entry="count", bind={"before": "count@previous", "after": "count"}, groups=(3, 2, 1), **options
+    )  # fmt: skip
+    graph.output("count")
+    graph.compile()
+    return graph
+
+
+def test_a_history_remembers(device):
+    graph = counter(device)
+    for _ in range(5):
+        graph.execute()
+    np.testing.assert_array_equal(graph.read("count"), np.full((10, 20), 5, np.float32))
+    np.testing.assert_array_equal(graph.read("count@previous"), np.full((10, 20), 4, np.float32))
+
+
+def test_a_checkpoint_brings_a_history_back(device):
+    first = counter(device)
+    for _ in range(3):
+        first.execute()
+    state = first.checkpoint()
+    again = counter(device)
+    again.restore(state)
+    again.execute()
+    assert again.read("count").max() == 4
+    with pytest.raises(GraphError, match="no history"):
+        again.restore({"other": state["count"]})
+
+
+def test_a_lost_device_is_told_and_a_new_one_goes_on():
+    lost = Device.open()
+    graph = counter(lost)
+    graph.execute()
+    state = graph.checkpoint()
+    lost.destroy()
+    with pytest.raises(DeviceLostError):
+        graph.execute()
+        graph.read("count")
+    again = counter(Device.open())
+    again.restore(state)
+    again.execute()
+    assert again.read("count").min() == 2
+
+
+def test_reading_back_keeps_rows_apart(device):
+    graph = FrameGraph(device)
+    graph.texture("image", "rgba32float", (21, 13))
+    graph.compute("image", MODULE, entry="gradient", bind={"gradient_image": "image"}, groups=(3, 2, 1))
+    graph.output("image")
+    graph.compile()
+    graph.execute()
+    early, late = graph.read_async("image"), graph.read_async("image")
+    y, x = np.mgrid[:13, :21]
+    for got in (late.result(), early.result(), early.result()):
+        np.testing.assert_array_equal(got[..., 0], x)
+        np.testing.assert_array_equal(got[..., 1], y)
+
+
+def test_mips_average(device):
+    rng = np.random.default_rng(0)
+    image = rng.integers(0, 256, (16, 16, 4), np.uint8)
+    graph = FrameGraph(device)
+    graph.texture_data("image", image, "rgba8unorm", mips=True)
+    graph.texture("copy", "rgba8unorm", (4, 4))
+    graph.fullscreen(
+        "copy", "package::gpu::mips", color=["copy"], bind={"above": "image:mip1", "linear": "sampler:linear-clamp"}
+    )  # fmt: skip
+    graph.output("copy")
+    graph.compile()
+    graph.execute()
+    want = image.reshape(8, 2, 8, 2, 4).mean((1, 3))
+    np.testing.assert_allclose(graph.read("image", mip=1), want, atol=1)
+    np.testing.assert_allclose(graph.read("copy"), want.reshape(4, 2, 4, 2, 4).mean((1, 3)), atol=2)
+
+
+def test_a_sometimes_pass_keeps_its_result_and_demands_persistence(device):
+    with pytest.raises(GraphError, match="persistent"):
+        counter(device, when=lambda: False)
+    graph = FrameGraph(device)
+    graph.texture("image", "rgba32float", (8, 8), persistent=True)
+    asked = []
+    graph.compute(
+        "image", MODULE, entry="gradient", bind={"gradient_image": "image"}, groups=(1, 1, 1),
+        when=lambda: bool(asked.append(1)),
+    )  # fmt: skip
+    graph.output("image")
+    graph.compile()
+    graph.execute()
+    graph.execute()
+    assert len(asked) == 1, "the first frame runs it unasked"
+    assert graph.stats()["passes"][0]["ran"] is False
+    assert graph.read("image")[3, 5, 0] == 5
+
+
+def test_uniforms_upload_only_what_changed(device):
+    graph = counter(device)
+    assert graph.stats()["calls"] < 20
+    lonely = FrameGraph(device)
+    view = lonely.uniform("view", VIEW)
+    assert view.set(time=1.0)
+    view.take()
+    assert not view.set(time=1.0)
+    assert view.set(time=2.0)
+
+
+def test_mistakes_are_named(device):
+    graph = FrameGraph(device)
+    graph.texture("a", "rgba32float", (8, 8))
+    with pytest.raises(GraphError, match="declared twice"):
+        graph.texture("a", "rgba32float", (8, 8))
+    with pytest.raises(GraphError, match="binds nothing to the shader's 'gradient_image'"):
+        graph.compute("x", MODULE, entry="gradient", bind={}, groups=(1, 1, 1))
+    with pytest.raises(GraphError, match="not declared"):
+        graph.compute("x", MODULE, entry="gradient", bind={"gradient_image": "b"}, groups=(1, 1, 1))
+    with pytest.raises(GraphError, match="keeps no history"):
+        graph.compute("x", MODULE, entry="gradient", bind={"gradient_image": "a@previous"}, groups=(1, 1, 1))
+    with pytest.raises(ShaderError, match="no_such"):
+        graph.compute("x", "package::gpu::no_such", bind={}, groups=(1, 1, 1))
+    graph.output("a")
+    with pytest.raises(GraphError, match="written by no pass"):
+        graph.compile()
+
+
+def test_default_limits_are_what_we_get(device):
+    limits = device.native.limits
+    assert limits["max-bind-groups"] == 4
+    assert limits["max-color-attachment-bytes-per-sample"] == 32
+    assert limits["max-compute-invocations-per-workgroup"] == 256
+
+
+def test_without_timestamps_gpu_times_are_absent():
+    graph = counter(Device.open(capabilities=()))
+    graph.execute()
+    stats = graph.stats()
+    assert stats["gpu_ms"] is None
+    assert stats["passes"][0]["gpu_ms"] is None
+
+
+def test_memory_is_counted_and_given_back(device):
+    import gc
+
+    gc.collect()
+    before = device.texture_bytes
+    graph = counter(device)
+    assert device.texture_bytes - before == 2 * 20 * 10 * 4
+    del graph
+    gc.collect()
+    assert device.texture_bytes == before
