@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("shaders")  # the renderers are made once, for both tests
+
 PACKAGE = Path(__file__).parents[1] / "src" / "fallstreak"
 
 # One of each kind that changes which shaders are made; the qualities differ in sizes and constants.
