@@ -244,9 +244,12 @@ class Compiled:
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All histories as the last frame left them, for `restore`."""
-        names = [n for n, p in self.physical.items() if len(p.objects) == 2]
-        started = {name: self.read_async(name) for name in names}
-        return {name: pending.result() for name, pending in started.items()}
+        return {name: pending.result() for name, pending in self.checkpoint_async().items()}
+
+    def checkpoint_async(self) -> dict[str, Pending]:
+        """The same without waiting."""
+        names = [name for name, p in self.physical.items() if len(p.objects) == 2]
+        return {name: self.read_async(name) for name in names}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""

@@ -466,6 +466,10 @@ class FrameGraph:
         """All histories as the last frame left them, for `restore`."""
         return self.compiled.checkpoint()
 
+    def checkpoint_async(self) -> dict[str, Pending]:
+        """The same without waiting for the GPU."""
+        return self.compiled.checkpoint_async()
+
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""
         self.compiled.restore(state)

@@ -1,0 +1,404 @@
+"""A world becomes pictures.
+
+The renderer builds the graph once, then for each frame tells the systems the time and the camera, records and
+submits. A frame is a function of (world, index, seed): a sequence's first frame is preceded by `WARM_UP`
+frames that nobody sees, and every later one follows its predecessor. When the GPU is lost, everything is
+built anew from the world and the last checkpoint, and the frames since are replayed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Mapping
+from datetime import timedelta
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+
+from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph
+from fallstreak.world.quality import QUALITY, Quality
+from fallstreak.world.state import (
+    CameraState,
+    FrameState,
+    camera_rotation,
+    local_axes,
+    position_on_planet,
+    view_values,
+)
+
+from . import frame as decode
+from .frame import LAYERS, Frame
+from .pipeline import Pipeline
+
+if TYPE_CHECKING:
+    from fallstreak.world import World
+
+WARM_UP = 8
+"""Frames rendered unseen before the first one of a sequence, so that its history is settled."""
+
+CHECKPOINT_EVERY = 16
+"""Frames between two copies of the histories that the renderer keeps in case the GPU is lost."""
+
+_SOURCES = {
+    "ldr": "frame.ldr",
+    "depth": "gbuffer.depth",
+    "normal": "gbuffer.normal",
+    "albedo": "gbuffer.albedo",
+    "motion": "gbuffer.motion",
+}
+
+
+class Renderer:
+    """Renders frames of one world at one size.
+
+    Parameters
+    ----------
+    world : World
+        What there is.
+    size : (int, int)
+        Width and height in pixels, 16 to 8192.
+    quality : str or Quality
+        "low", "medium", "high", "ultra", or your own.
+    fps : float
+        Frames per second of a sequence.
+    samples : int, optional
+        Jittered samples averaged into each frame. Default: one, with temporal anti-aliasing where the quality
+        has it. A number here turns temporal anti-aliasing off, so that frames do not depend on each other but
+        for the exposure.
+    still : bool
+        Frames stand alone: no motion, the exposure settles at once. `render` uses it.
+    layers : sequence of str
+        What to keep of a frame besides the picture: "hdr", "depth", "normal", "albedo", "motion".
+    bits : 8 or 16
+        Of the picture.
+    adapter : str, optional
+        Part of the name of the GPU adapter to use.
+
+    Examples
+    --------
+    >>> with Renderer(world, size=(640, 360), fps=30) as renderer:   # doctest: +SKIP
+    ...     for i in range(90):
+    ...         renderer.render(i).save(f"flight.{i:04d}.png")
+    """
+
+    def __init__(
+        self,
+        world: World,
+        size: tuple[int, int] = (1280, 720),
+        quality: str | Quality = "high",
+        *,
+        fps: float = 30.0,
+        samples: int | None = None,
+        still: bool = False,
+        layers: tuple[str, ...] | list[str] = (),
+        bits: Literal[8, 16] = 8,
+        adapter: str | None = None,
+    ):
+        self.world = world
+        self.quality = _quality(quality)
+        self.size = _checked_size(size)
+        if not 0.0 < fps <= 1e4:
+            raise ValueError(f"fps = {fps} must be above 0 and at most 10000")
+        if samples is not None and not 1 <= samples <= 65536:
+            raise ValueError(f"samples = {samples} must be 1 to 65536")
+        unknown = [name for name in layers if name not in LAYERS]
+        if unknown:
+            raise ValueError(f"layer {unknown[0]!r} is unknown; there are {', '.join(LAYERS)}")
+        self.fps = fps
+        self.still = still
+        self.temporal = samples is None and not still and self.quality.temporal
+        self.samples = samples or (self.quality.default_samples if still else 1)
+        self.layers = tuple(layers)
+        self.bits: Literal[8, 16] = bits
+        self._adapter = adapter
+        self._inflight: deque[PendingFrame] = deque()
+        self._log: list[int] = []
+        self._kept: Mapping[str, Any] | None = None
+        self._keeping: tuple[int, dict[str, Any]] | None = None
+        self._position: int | None = None
+        self.device = Device.open(adapter)
+        self._build()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the GPU's memory back; the renderer cannot be used afterwards."""
+        self.device.destroy()
+
+    # ---- frames ----------------------------------------------------------------------------------------
+
+    def render(self, index: int = 0) -> Frame:
+        """Render frame `index` of the sequence and wait for it.
+
+        Raises
+        ------
+        GpuError
+            When the GPU cannot do it; a lost device is rebuilt first, and this is raised only if that fails.
+        """
+        return self.submit(index).result()
+
+    def submit(self, index: int) -> PendingFrame:
+        """Start frame `index` and return at once; take the frame by `.result()`."""
+        pending = PendingFrame(self, index)
+        self._inflight.append(pending)
+        try:
+            self._advance(index)
+            pending._start()
+            self._keep()
+        except DeviceLostError:
+            self._recover()
+        return pending
+
+    def stats(self) -> dict[str, Any]:
+        """Times per pass of the last frame, bytes of memory, WebGPU calls; waits for the GPU."""
+        return {**self.graph.stats(), "size": self.size, "frame_ms": self._frame_ms}
+
+    # ---- persistence -----------------------------------------------------------------------------------
+
+    def checkpoint(self) -> dict[str, Any]:
+        """Everything that the frame after the last one depends on, as numpy arrays."""
+        return {"frame": np.int64(self._position or 0), **self.graph.checkpoint()}
+
+    def restore(self, checkpoint: Mapping[str, Any]) -> None:
+        """Go on as after the frame whose checkpoint this is."""
+        self.graph.restore({k: v for k, v in checkpoint.items() if k != "frame"})
+        self._position = int(checkpoint["frame"])
+        self._settled = True
+        self._kept, self._keeping, self._log = dict(checkpoint), None, []
+
+    # ---- within ----------------------------------------------------------------------------------------
+
+    def _build(self) -> None:
+        self.graph = FrameGraph(self.device)
+        self._view = self.graph.uniform("view", VIEW)
+        self.pipeline = Pipeline(
+            self.graph, self.world, self.quality, self.size, temporal=self.temporal, bits=self.bits
+        )
+        self.graph.output("frame.ldr", *self._sources().values())
+        self.graph.compile()
+        self._frame_ms = 0.0
+        self._settled = False
+
+    def _sources(self) -> dict[str, str]:
+        """What is read back of a frame: layer -> resource."""
+        found = {"ldr": "frame.ldr"}
+        for layer in self.layers:
+            found[layer] = _SOURCES.get(layer) or self.pipeline.light
+        if {"normal", "albedo"} & set(self.layers):
+            found["depth"] = "gbuffer.depth"
+        return found
+
+    def _advance(self, index: int) -> None:
+        """Bring the GPU to the end of frame `index`."""
+        if self._position is None or index != self._position + 1 or self.still:
+            # A new beginning: nothing of what was rendered before may shine through.
+            self._kept, self._keeping, self._log = None, None, []
+            self._settled = False
+        self._execute(index)
+        self._position = index
+        self._log.append(index)
+
+    def _execute(self, index: int) -> None:
+        if not self._settled:
+            self.pipeline.begin(self.state(index))
+            for before in [index] * 2 if self.still else range(index - WARM_UP, index):
+                self._execute_samples(before, 1, instant=True)
+            self._settled = True
+        self._execute_samples(index, self.samples, instant=self.still)
+
+    def _execute_samples(self, index: int, samples: int, *, instant: bool) -> None:
+        begin = time.perf_counter()
+        for sample in range(samples):
+            state = self.state(index, self.pipeline.jitter(index, sample, samples), sample)
+            self._view.set(**view_values(state))
+            self.pipeline.update(state, delta=1.0 / (self.fps * samples), instant=instant)
+            self.graph.execute()
+        self._frame_ms = (time.perf_counter() - begin) * 1e3
+
+    def state(self, index: int, jitter: tuple[float, float] = (0.0, 0.0), sample: int = 0) -> FrameState:
+        """What the systems are told of frame `index`."""
+        seconds = index / self.fps
+        elapsed = seconds * self.world.time_scale
+        camera = self._camera(seconds)
+        before = camera if self.still else self._camera((index - 1) / self.fps)
+        return FrameState(
+            index=index,
+            time=elapsed,
+            utc=self.world.time + timedelta(seconds=elapsed),
+            delta=0.0 if self.still else self.world.time_scale / self.fps,
+            seed=self.world.seed,
+            size=self.size,
+            planet_radius=self.world.planet.radius,
+            camera=camera,
+            previous_camera=before,
+            jitter=jitter,
+            sample=sample,
+        )
+
+    def _camera(self, seconds: float) -> CameraState:
+        pose = self.world.camera.at(seconds)
+        radius = self.world.planet.radius
+        height = pose.height
+        if pose.above == "ground":
+            height += float(self.world.terrain.height(pose.east, pose.north))
+        heading, pitch, roll, fov = pose.angles
+        return CameraState(
+            position=position_on_planet(pose.east, pose.north, height, radius),
+            rotation=camera_rotation(heading, pitch, roll, local_axes(pose.east, pose.north, radius)),
+            fov=fov,
+        )
+
+    def _keep(self) -> None:
+        """Every few frames, copy the histories to the CPU while the GPU goes on."""
+        if self.still or len(self._log) % CHECKPOINT_EVERY:
+            return
+        if self._keeping is not None:
+            position, started = self._keeping
+            values = {name: pending.result() for name, pending in started.items()}
+            self._kept = {"frame": np.int64(position), **values}
+            self._log = [i for i in self._log if i > position]
+        assert self._position is not None
+        self._keeping = (self._position, self.graph.checkpoint_async())
+
+    def _recover(self, attempts: int = 3) -> None:
+        """Build everything anew on a new device and replay the frames since the last checkpoint."""
+        for attempt in range(attempts):
+            try:
+                self.device = Device.open(self._adapter)
+                self._build()
+                self._keeping = None
+                if self._kept is not None:
+                    self.graph.restore({k: v for k, v in self._kept.items() if k != "frame"})
+                    self._settled = True
+                wanted = {p.index: p for p in self._inflight}
+                goal = max([*self._log, *wanted])
+                start = self._log[0] if self._log else goal
+                self._log = list(range(start, goal + 1)) if not self.still else [goal]
+                for index in self._log:
+                    self._execute(index)
+                    self._position = index
+                    if index in wanted:
+                        wanted[index]._start()
+                return
+            except DeviceLostError:
+                if attempt == attempts - 1:
+                    raise
+
+    def _metadata(self, index: int) -> dict[str, Any]:
+        import fallstreak
+
+        state = self.state(index)
+        return {
+            "scene": self.world.name,
+            "time": state.utc.isoformat(),
+            "frame": index,
+            "seed": self.world.seed,
+            "version": fallstreak.__version__,
+            "adapter": self.device.adapter.name,
+            "size": list(self.size),
+            "quality": self.quality.name,
+            "samples": self.samples,
+        }
+
+
+class PendingFrame:
+    """A frame the GPU is working on."""
+
+    def __init__(self, renderer: Renderer, index: int):
+        self.index = index
+        self._renderer = renderer
+        self._reads: dict[str, Any] = {}
+        self._frame: Frame | None = None
+
+    def _start(self) -> None:
+        graph = self._renderer.graph
+        sources = self._renderer._sources()
+        self._reads = {layer: graph.read_async(name) for layer, name in sources.items()}
+        self._reads["exposure"] = graph.read_async("frame.exposure")
+
+    def result(self) -> Frame:
+        """Wait for the frame; a GPU lost meanwhile is rebuilt and the frame rendered again."""
+        if self._frame is None:
+            try:
+                raw = {layer: pending.result() for layer, pending in self._reads.items()}
+            except DeviceLostError:
+                self._renderer._recover()
+                raw = {layer: pending.result() for layer, pending in self._reads.items()}
+            self._frame = self._decode(raw)
+            self._renderer._inflight.remove(self)
+            self._reads = {}
+        return self._frame
+
+    def _decode(self, raw: dict[str, np.ndarray]) -> Frame:
+        renderer = self._renderer
+        exposure = renderer.pipeline.read_exposure(raw["exposure"])
+        wanted = renderer.layers
+        fov = renderer.world.camera.at(self.index / renderer.fps).angles[3]
+        values: dict[str, np.ndarray] = {}
+        if renderer.bits == 8:
+            values["ldr"] = np.ascontiguousarray(raw["ldr"][..., :3])
+        else:
+            values["ldr16"] = np.ascontiguousarray(raw["ldr"][..., :3])
+        if "hdr" in wanted:
+            values["hdr"] = renderer.pipeline.luminance(raw["hdr"], exposure)
+        if "depth" in wanted:
+            values["depth"] = decode.decode_distance(
+                raw["depth"], renderer.state(self.index).camera.near, fov
+            )
+        if "normal" in wanted:
+            values["normal"] = decode.decode_normal(raw["normal"], raw["depth"] > 0)
+        if "albedo" in wanted:
+            values["albedo"] = decode.decode_albedo(raw["albedo"])
+        if "motion" in wanted:
+            values["motion"] = decode.decode_motion(raw["motion"])
+        metadata = {**renderer._metadata(self.index), "ev100": round(exposure["ev100"], 4)}
+        return Frame(metadata=metadata, stats={"frame_ms": renderer._frame_ms}, **values)
+
+
+def render(
+    world: World,
+    size: tuple[int, int] = (1280, 720),
+    quality: str | Quality = "high",
+    *,
+    samples: int | None = None,
+    layers: tuple[str, ...] | list[str] = ("hdr",),
+    bits: Literal[8, 16] = 8,
+    adapter: str | None = None,
+) -> Frame:
+    """Render one still.
+
+    Parameters are those of `Renderer`. Returns a `Frame` with its times in `.stats`.
+
+    Examples
+    --------
+    >>> import fallstreak as fs
+    >>> frame = fs.render(fs.load("jacksboro"), size=(640, 360))   # doctest: +SKIP
+    >>> frame.ldr.shape                                            # doctest: +SKIP
+    (360, 640, 3)
+    """
+    options: dict[str, Any] = {"samples": samples, "layers": layers, "bits": bits, "adapter": adapter}
+    with Renderer(world, size, quality, still=True, **options) as renderer:
+        pending = renderer.submit(0)
+        stats = renderer.stats()
+        frame = pending.result()
+        return Frame(**{**frame.__dict__, "stats": stats})
+
+
+def _quality(quality: str | Quality) -> Quality:
+    if isinstance(quality, Quality):
+        return quality
+    if quality not in QUALITY:
+        raise ValueError(f"quality {quality!r} is unknown; there are {', '.join(QUALITY)}")
+    return QUALITY[quality]
+
+
+def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    width, height = (int(n) for n in size)
+    if not (16 <= width <= 8192 and 16 <= height <= 8192):
+        raise ValueError(f"size {width}x{height} must be 16 to 8192 pixels each way")
+    return width, height
