@@ -88,6 +88,16 @@ def test_commands_run(page, tmp_path):
         assert result.returncode == 0, f"{command}\n{result.stdout}{result.stderr}"
 
 
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "toml")], ids=page_id)
+def test_scenes_are_valid(page, tmp_path):
+    import fallstreak as fs
+
+    for _, text in blocks(page, "toml"):
+        for name in re.findall(r'^file = "(.+\..+)"', text, flags=re.MULTILINE):
+            (tmp_path / name).touch()  # the reader has it, we do not
+        fs.loads(text, folder=tmp_path)
+
+
 @pytest.mark.parametrize("example", EXAMPLES, ids=page_id)
 def test_examples_run(example, tmp_path):
     code = example.read_text(encoding="utf-8")
