@@ -40,9 +40,9 @@ def _first_picture_seconds() -> float:
         # Mesa keeps compiled shaders between processes; somebody's first picture does not have that.
         environment = os.environ | {"MESA_SHADER_CACHE_DISABLE": "true", "XDG_CACHE_HOME": folder}
         picture = Path(folder) / "first.png"
-        command = [sys.executable, "-m", "fallstreak", "render", "jacksboro", "-o", str(picture)]
+        command = [sys.executable, "-m", "fallstreak.cli", "render", "jacksboro", "-o", str(picture)]
         start = time.perf_counter()
-        subprocess.run([*command, "--size", "1280x720"], check=True, env=environment, capture_output=True)
+        subprocess.run([*command, "--size", "1280x720"], check=True, env=environment, stdout=subprocess.PIPE)
         seconds = time.perf_counter() - start
         assert picture.stat().st_size > 0
         return seconds

@@ -79,7 +79,7 @@ def test_commands_run(page, tmp_path):
     for command in commands(page):
         words = tiny(command)
         result = subprocess.run(
-            [sys.executable, "-c", "from fallstreak.cli import main; main()", *words[1:]],
+            [sys.executable, "-m", "fallstreak.cli", *words[1:]],
             cwd=tmp_path,
             capture_output=True,
             text=True,

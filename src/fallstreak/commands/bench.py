@@ -83,7 +83,7 @@ class Report:
 
     def note(self, text: str) -> None:
         """Print an explanation among the figures; it goes into no file."""
-        self._console.print(f"  {text}", highlight=False, markup=False)
+        self._console.print(f"  {text}", highlight=False, markup=False, soft_wrap=True)
 
     def table(self, title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
         """Print a table, such as the cost of every pass; it goes into no file."""
@@ -114,8 +114,8 @@ def bench(names: Sequence[str] = (), json_file: Path | None = None) -> int:
     if unknown := sorted(set(names) - found.keys()):
         raise BenchError(f"no benchmark named {', '.join(unknown)}; there are {', '.join(found)}")
     console = Console()
-    console.print(f"machine: {machine()}", highlight=False, markup=False)
-    console.print(f"adapter: {adapter()}", highlight=False, markup=False)
+    console.print(f"machine: {machine()}", highlight=False, markup=False, soft_wrap=True)
+    console.print(f"adapter: {adapter()}", highlight=False, markup=False, soft_wrap=True)
     report = Report(console)
     broken = []
     for name in names or found:
@@ -131,7 +131,7 @@ def bench(names: Sequence[str] = (), json_file: Path | None = None) -> int:
     _print_summary(console, report.results)
     if json_file is not None:
         _write(json_file, report.results)
-        console.print(f"written: {json_file}", highlight=False, markup=False)
+        console.print(f"written: {json_file}", highlight=False, markup=False, soft_wrap=True)
     if broken:
         console.print(f"broken: {', '.join(broken)}", style="red")
     return 1 if broken else 0

@@ -290,7 +290,7 @@ class Renderer:
                     raise
 
     def _metadata(self, index: int) -> dict[str, Any]:
-        import fallstreak
+        from fallstreak import __version__
 
         state = self.state(index)
         return {
@@ -298,7 +298,7 @@ class Renderer:
             "time": state.utc.isoformat(),
             "frame": index,
             "seed": self.world.seed,
-            "version": fallstreak.__version__,
+            "version": __version__,
             "adapter": self.device.adapter.name,
             "size": list(self.size),
             "quality": self.quality.name,
