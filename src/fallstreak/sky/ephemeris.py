@@ -15,15 +15,21 @@ Limits: universal time is taken as UTC (under 0.9 s, 0.004 degrees of rotation);
 the stars' annual aberration and parallax (under 21") are left out; polar motion is left out.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
 from math import asin, atan2, cos, exp, hypot, pi, sin, sqrt
+from typing import TYPE_CHECKING
 
 import astronomy
 import numpy as np
 
 from .mars import MARS_RADIUS
+
+if TYPE_CHECKING:
+    from fallstreak.world import World
 
 AU = 1.495978707e11
 SUN_RADIUS = 6.957e8
@@ -153,6 +159,12 @@ class Ephemeris:
             equatorial, polar = (prime + height) * cos(latitude), (squeeze * prime + height) * sin(latitude)
             self._anchor[1] = cos(latitude) * polar - sin(latitude) * equatorial
             self._anchor[2] = cos(latitude) * equatorial + sin(latitude) * polar
+
+    @classmethod
+    def of(cls, world: World) -> Ephemeris:
+        """The sky over a world's anchor."""
+        place = world.place
+        return cls(place.latitude_radians, place.longitude_radians, planet=world.planet.preset)
 
     def at(self, utc: datetime, position=(0.0, 0.0, 0.0)) -> Heavens:
         """Everything over the observer at a moment.

@@ -1,11 +1,11 @@
 """The lights above the air, as every system's shaders see them: the uniform `sky.light`.
 
-Magnitudes become lux by 2.54e-6 lx for magnitude 0: one cd/m2 is 12.58 magnitudes per square arc second,
-the calibration under which the sun's -26.74 is its measured 126 klx. Moonlight follows Allen's law of phase
-(Astrophysical Quantities, section 66; Krisciunas and Schaefer, PASP 103 (1991), equation 20): V = -12.73 +
-0.026 a + 4e-9 a^4 with the phase angle a in degrees, at mean distances; 0.31 lx above the air at mean full
-moon, about 0.27 lx below it. Its colour is the sun's times a regolith whose reflectance rises by a third
-from 440 to 680 nm.
+The sun is spectrum.py's 133 klx at 1 au. Magnitudes become lux by 2.54e-6 lx for magnitude 0 (one cd/m2 is
+12.58 magnitudes per square arc second; the sun's -26.74 would be 126 klx). Moonlight follows Allen's law of
+phase (Astrophysical Quantities, section 66; Krisciunas and Schaefer, PASP 103 (1991), equation 20): V =
+-12.73 + 0.026 a + 4e-9 a^4 with the phase angle a in degrees, at mean distances; 0.31 lx above the air at
+mean full moon, about 0.27 lx below it. Its colour is the sun's times a regolith whose reflectance rises by
+a third from 440 to 680 nm.
 
 Limits: the brightening of the full moon in its last degrees (the opposition effect) is left out; in an
 eclipse the sun's disc is covered without regard to limb darkening.
@@ -20,8 +20,8 @@ import numpy as np
 
 from fallstreak.gpu import Struct
 
-from .colour import temperature_colour
 from .ephemeris import AU, EARTH_RADIUS, SUN_RADIUS, Heavens
+from .spectrum import LUMINANCE, SUN_ILLUMINANCE
 
 if TYPE_CHECKING:
     from fallstreak.world import World
@@ -55,16 +55,11 @@ LIGHT = Struct(
 
 MAGNITUDE_ZERO_LUX = 2.54e-6
 
-# The sun at 1 au above the air: 126 klx, of the colour of 5772 K.
-SUN_LUX = MAGNITUDE_ZERO_LUX * 10 ** (0.4 * 26.74)
-SUN_COLOUR = temperature_colour(5772.0)
-
 # mu^a with a of Hestroffer and Magnan (A&A 333 (1998) 338) at 680, 550 and 440 nm.
 _LIMB = np.array([0.397, 0.503, 0.652])
 
-_REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-MOON_COLOUR = SUN_COLOUR * (1.16, 0.98, 0.80)  # regolith's reflectance over the three bands
-MOON_COLOUR /= MOON_COLOUR @ _REC709_LUMINANCE
+MOON_COLOUR = SUN_ILLUMINANCE * (1.16, 0.98, 0.80)  # regolith's reflectance over the three bands
+MOON_COLOUR /= MOON_COLOUR @ LUMINANCE
 _AIRGLOW_TINT = np.array([0.93, 1.04, 0.78])  # the green and red oxygen lines over a broad continuum
 _UMBRA_GLOW = 4e-4  # sunlight bent into the middle of the Earth's shadow, of full sunlight
 _MOON_MEAN_DISTANCE = 3.844e8
@@ -98,7 +93,7 @@ def light_values(world: World, heavens: Heavens, altitude: float = 0.0) -> dict[
     radius = heavens.sun_radius * mean / planet.sun_distance_au
     if sky.sun.angular_diameter is not None:
         radius = radians(sky.sun.angular_diameter) / 2
-    sun = SUN_LUX / distance**2 * SUN_COLOUR
+    sun = SUN_ILLUMINANCE / distance**2
     limb = _LIMB if sky.sun.limb_darkening else np.zeros(3)
     sun_luminance = sun / (pi * sin(radius) ** 2) * (2 + limb) / 2
 
