@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -75,9 +76,11 @@ def shader_imports(path: Path) -> set[str]:
 
 def tracked_files() -> list[Path]:
     """What git tracks, or all there is in a copy without git."""
-    listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
-    if listing.returncode == 0:
-        return [ROOT / name for name in listing.stdout.split("\0") if name and (ROOT / name).is_file()]
+    git = shutil.which("git") and subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True
+    )
+    if git and git.returncode == 0:
+        return [ROOT / name for name in git.stdout.split("\0") if name and (ROOT / name).is_file()]
     apart = {".venv", "out", "site", "__pycache__"}
     return [p for p in ROOT.rglob("*") if p.is_file() and not apart & set(p.relative_to(ROOT).parts)]
 
