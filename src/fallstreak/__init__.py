@@ -37,8 +37,8 @@ _HOME = {
 }  # fmt: skip
 
 __all__ = [
-    "QUALITY", "Frame", "Quality", "Renderer", "UserError", "World", "WorldError", "edit_toml", "load", "loads",
-    "render", "scene_names", "schema",
+    "QUALITY", "Frame", "Quality", "Renderer", "UserError", "World", "WorldError", "edit_toml", "load",
+    "loads", "render", "scene_names", "schema",
 ]  # fmt: skip
 
 queries.register("terrain.height", "fallstreak.terrain.model:height_query")

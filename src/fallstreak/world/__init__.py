@@ -1,6 +1,6 @@
 """What there is, as data: frozen models with unit and range on every field, TOML files, shipped scenes.
 
-No GPU here and no numpy; everything is imported when first used, so that a message of a few words costs nothing.
+No GPU here and no numpy; a name is imported when it is first used, so that a short message costs nothing.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .camera import Camera, Keyframe, Pose
+    from .describe import schema
     from .errors import UserError, WorldError
     from .film import Film
     from .loading import load, loads, scene_names
     from .place import Place
     from .planet import Planet
     from .quality import QUALITY, Quality
-    from .describe import schema
     from .sky import Sky, Sun
     from .terrain import Terrain
     from .world import World
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 _HOME = {
     "World": "world", "Place": "place", "Planet": "planet", "Sky": "sky", "Sun": "sky", "Terrain": "terrain",
     "Camera": "camera", "Keyframe": "camera", "Pose": "camera", "Film": "film", "load": "loading",
-    "loads": "loading", "scene_names": "loading", "edit_toml": "writing", "schema": "describe", "Quality": "quality",
-    "QUALITY": "quality", "UserError": "errors", "WorldError": "errors",
+    "loads": "loading", "scene_names": "loading", "edit_toml": "writing", "schema": "describe",
+    "Quality": "quality", "QUALITY": "quality", "UserError": "errors", "WorldError": "errors",
 }  # fmt: skip
 
 __all__ = [

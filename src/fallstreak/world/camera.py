@@ -88,9 +88,9 @@ class Camera(Section):
     def at(self, seconds: float) -> Pose:
         """The camera ``seconds`` after the scene's start.
 
-        East and north follow a Catmull-Rom curve through the keyframes, the heading turns the shorter way, all else
-        is interpolated monotonically (a camera above the ground stays above it). Before the first keyframe and
-        after the last one the camera rests. What no keyframe states stays as the camera has it.
+        East and north follow a Catmull-Rom curve through the keyframes, the heading turns the shorter way,
+        all else is interpolated monotonically (a camera above the ground stays above it). Before the first
+        keyframe and after the last one the camera rests. What no keyframe states stays as the camera has it.
         """
         values = {
             name: self._tracks[name](seconds) if name in self._tracks else getattr(self, name)

@@ -11,8 +11,8 @@ from pydantic.fields import FieldInfo
 def schema() -> dict[str, Any]:
     """JSON schema (2020-12) of a scene file: types, units, ranges, defaults and documentation of every key.
 
-    Editors that speak TOML (Taplo, Even Better TOML, Zed) take it by a first line ``#:schema ./scene.schema.json``
-    or a key ``"$schema"``.
+    Editors that speak TOML (Taplo, Even Better TOML, Zed) take it by a first line
+    ``#:schema ./scene.schema.json`` or a key ``"$schema"``.
     """
     from .world import World
 
@@ -26,40 +26,34 @@ def schema() -> dict[str, Any]:
         },
         "extends": {
             "type": "string",
-            "description": "The scene this one builds on: a shipped scene's name, or a .toml in this file's folder.",
+            "description": "The scene this one builds on: a shipped scene's name, or a .toml in its folder.",
         },
     }
     result["properties"] = file_only | result["properties"]
-    _say_units(result)
+    for model in [result, *result["$defs"].values()]:
+        for node in model["properties"].values():
+            _for_editors(node)
     return result
 
 
-def _say_units(node: Any) -> None:
-    """Put the unit at the end of each description too, since editors show descriptions on hover."""
-    if isinstance(node, dict):
-        unit, text = node.get("unit"), node.get("description")
-        if isinstance(unit, str) and isinstance(text, str) and unit != "1" and not text.endswith("]"):
-            node["description"] = f"{text} [{unit}]"
-        for value in node.values():
-            _say_units(value)
-    elif isinstance(node, list):
-        for value in node:
-            _say_units(value)
+def _for_editors(node: dict[str, Any]) -> None:
+    """One property: TOML has no null, and editors show descriptions on hover but not units."""
+    node.pop("title", None)
+    if "default" in node and node["default"] is None:
+        del node["default"]
+    kinds = [kind for kind in node.get("anyOf", []) if kind.get("type") != "null"]
+    if len(kinds) == 1:
+        del node["anyOf"]
+        node.update(kinds[0])
+    if {"const": "auto", "type": "string"} in kinds:
+        node["default"] = "auto"
+    if node.get("unit", "1") != "1":
+        node["description"] += f" [{node['unit']}]"
 
 
 def describe_field(info: FieldInfo, element: bool = False) -> str:
     """What a field takes, in words, with range and unit; ``element``: one member of its list."""
     node = TypeAdapter(info.rebuild_annotation()).json_schema(mode="validation")
-    for key in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "maxLength", "maxItems"):
-        for meta in info.metadata:
-            name = {
-                "minimum": "ge",
-                "maximum": "le",
-                "maxLength": "max_length",
-                "maxItems": "max_length",
-            }.get(key)
-            if name and hasattr(meta, name) and node.get("type") in ("number", "integer", "string", "array"):
-                node.setdefault(key, getattr(meta, name))
     words = _words(node, element)
     extra = info.json_schema_extra
     unit = extra.get("unit") if isinstance(extra, dict) else None
@@ -68,11 +62,8 @@ def describe_field(info: FieldInfo, element: bool = False) -> str:
 
 def _words(node: dict[str, Any], element: bool = False) -> str:
     if "anyOf" in node:
-        parts = [_words(part, element) for part in node["anyOf"] if part.get("type") != "null"]
-        if element:
-            parts = parts[:1]
-        auto = ' or "auto"' if any(part.get("type") == "null" for part in node["anyOf"]) else ""
-        return " or ".join(dict.fromkeys(parts)) + auto
+        parts = [_words(part) for part in node["anyOf"] if part.get("type") != "null"]
+        return " or ".join(dict.fromkeys(parts[:1] if element else parts))
     if "const" in node:
         return f'"{node["const"]}"'
     if "enum" in node:
@@ -81,16 +72,20 @@ def _words(node: dict[str, Any], element: bool = False) -> str:
     if kind in ("number", "integer"):
         word = "a number" if kind == "number" else "a whole number"
         low, high = node.get("minimum"), node.get("maximum")
-        return word if low is None or high is None else f"{word} from {low:g} to {high:g}"
+        return word if low is None or high is None else f"{word} from {_figure(low)} to {_figure(high)}"
+    if "$ref" in node or kind == "object":
+        return "a table"
     if kind == "array":
-        inner = node["prefixItems"][0] if "prefixItems" in node else node.get("items", {})
-        count = node.get("minItems")
-        return f"{'three' if count == 3 else 'a list of'} {_words(inner).removeprefix('a ').replace('number', 'numbers', 1)}"
+        if element:
+            return _words(node["items"])
+        return "three numbers " + _words(node["prefixItems"][0]).removeprefix("a number ")
     if kind == "boolean":
         return "true or false"
-    if kind == "string":
-        if node.get("format") == "date-time":
-            return "a date and time with its zone, such as 2025-10-18T18:20:00-04:00"
-        longest = node.get("maxLength")
-        return f"a string of at most {longest} characters" if longest else "a string"
-    return "a table"
+    if node.get("format") == "date-time":
+        return "a date and time with its zone, such as 2025-10-18T18:28:00-04:00"
+    longest = node.get("maxLength")
+    return f"a string of at most {longest} characters" if longest else "a string"
+
+
+def _figure(value: float) -> str:
+    return str(int(value)) if value == int(value) and abs(value) < 1e10 else f"{value:g}"

@@ -1,4 +1,4 @@
-"""Errors that a person caused and can mend: each says in one sentence where, what, and what would be right."""
+"""Errors that a person caused and can mend: each says in one sentence where, what, and what is right."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ class UserError(Exception):
 
 
 class WorldError(UserError):
-    """A scene, or an override of one, is not valid: the message holds file, key, value and what is allowed."""
+    """A scene, or an override of one, is not valid: the message holds file, key, value and the allowed."""
 
 
 def shorten(value: object, limit: int = 48) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from datetime import datetime
 from difflib import get_close_matches
 from typing import Any
 
@@ -11,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from .errors import WorldError, shorten
-from .trees import Tree, lookup
+from .trees import Tree, at, holds
 
 Path = tuple[str | int, ...]
 
@@ -25,39 +26,39 @@ class Layer:
     text: str = field(default="", repr=False)
 
 
-def explain(error: ValidationError, model: type[BaseModel], layers: list[Layer] | None) -> WorldError:
-    """The first of the errors as a sentence; how many others there are is said at its end."""
+def explain(
+    error: ValidationError, model: type[BaseModel], tree: Tree, layers: list[Layer] | None
+) -> WorldError:
+    """The first of the errors as a sentence; how many others there are is said at its end.
+
+    ``tree`` is what was validated, ``layers`` where it came from.
+    """
     errors = error.errors(include_url=False)
     first = errors[0]
-    path = _fields_only(first["loc"], model)
+    path, value = first["loc"], first["input"]
+    if path and isinstance(path[-1], int) and not holds(tree, path):
+        # Of three numbers too few were given, or one for all: speak of the whole field, and once.
+        path = path[:-1]
+        value = at(tree, path)
+        errors = [first] + [e for e in errors if e["loc"][: len(path)] != path]
     key = dotted(path)
-    value, kind, context = first["input"], first["type"], first.get("ctx", {})
     info = field_at(model, path)
+    kind = first["type"]
     if kind == "extra_forbidden":
         problem = f"{key} is not known{suggestion(model, path)}"
-    elif kind == "missing":
-        problem = f"{key} is missing: {allowed(info, model, path)}"
+    elif kind == "missing" and not holds(tree, path):
+        problem = f"{key} is missing: it must be {allowed(info, model, path)}"
     elif kind == "value_error":
-        reason = str(context.get("error", first["msg"]))
-        problem = (
-            f"{key} = {shorten(value)} is not allowed: {reason}"
-            if not _is_table(value)
-            else f"{key}: {reason}"
-        )
+        reason = str(first.get("ctx", {}).get("error", first["msg"]))
+        told = key if isinstance(value, (dict, BaseModel)) else f"{key} = {shorten(value)} is not allowed"
+        problem = f"{told}: {reason}"
     elif kind == "timezone_aware":
-        problem = f"{key} = {shorten(value)} has no zone: add one, such as {shorten_time(value)}Z or …-04:00"
+        text = value.isoformat() if isinstance(value, datetime) else str(value)[:32]
+        problem = f"{key} = {shorten(value)} has no zone: add one, such as {text}Z or {text}-04:00"
     else:
         problem = f"{key} = {shorten(value)} is not allowed: it must be {allowed(info, model, path)}"
     more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
     return WorldError(f"{origin(path, layers)}{problem}{more}")
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, (dict, BaseModel))
-
-
-def shorten_time(value: Any) -> str:
-    return value.isoformat() if hasattr(value, "isoformat") else str(value)[:32]
 
 
 def dotted(path: Path) -> str:
@@ -74,9 +75,9 @@ def dotted(path: Path) -> str:
 
 def origin(path: Path, layers: list[Layer] | None) -> str:
     """Which file and line, or which override, gave the value: "scene.toml, line 4: "."""
-    for layer in reversed(layers or []):
-        for end in range(len(path), 0, -1):
-            if lookup(layer.tree, path[:end]):
+    for end in range(len(path), 0, -1):
+        for layer in reversed(layers or []):
+            if holds(layer.tree, path[:end]):
                 line = find_line(layer.text, path[:end]) if layer.text else None
                 return f"{layer.label}, line {line}: " if line else f"{layer.label}: "
     return f"{layers[-1].label}: " if layers else ""
@@ -108,11 +109,6 @@ def find_line(text: str, path: Path) -> int | None:
             if full == names[: len(full)]:
                 best = number
     return best
-
-
-def _fields_only(loc: tuple[int | str, ...], model: type[BaseModel]) -> Path:
-    """The location without what pydantic adds for unions and validators ("function-after[…]")."""
-    return tuple(part for part in loc if isinstance(part, int) or not re.search(r"[\[\]()]", part))
 
 
 def submodel(annotation: Any) -> type[BaseModel] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
@@ -20,22 +20,29 @@ def _auto(value: Any) -> Any:
     return None if isinstance(value, str) and value == "auto" else value
 
 
-def _triple(low: float, high: float) -> Any:
-    part = Annotated[Number, Field(ge=low, le=high)]
-    return Annotated[
-        tuple[part, part, part],
-        BeforeValidator(_spread, json_schema_input_type=part | tuple[part, part, part]),
-    ]
+_Share = Annotated[Number, Field(ge=0.0, le=1.0)]
+_Cosine = Annotated[Number, Field(ge=-0.999, le=0.999)]
+_Degrees = Annotated[Number, Field(ge=0.01, le=20.0)]
 
-
-Colour = _triple(0.0, 1.0)
+Colour = Annotated[
+    tuple[_Share, _Share, _Share],
+    BeforeValidator(_spread, json_schema_input_type=_Share | tuple[_Share, _Share, _Share]),
+]
 """Linear Rec. 709 reflectance, three numbers in 0..1; one number stands for a grey."""
 
-Spectrum = _triple(0.0, 1.0)
-"""A coefficient in 1/m at 680, 550 and 440 nm; one number stands for all three."""
+Spectrum = Colour
+"""A coefficient in 1/m at 680, 550 and 440 nm, each in 0..1; one number stands for all three."""
 
-Asymmetry = _triple(-0.999, 0.999)
+Asymmetry = Annotated[
+    tuple[_Cosine, _Cosine, _Cosine],
+    BeforeValidator(_spread, json_schema_input_type=_Cosine | tuple[_Cosine, _Cosine, _Cosine]),
+]
 """Mean cosine of a phase function at 680, 550 and 440 nm; one number stands for all three."""
+
+AutoAngle = Annotated[
+    _Degrees | None, BeforeValidator(_auto, json_schema_input_type=_Degrees | Literal["auto"])
+]
+"""An angle in degrees, or "auto" (``None`` in Python): it follows from the rest of the world."""
 
 
 def quantity(default: Any = ..., *, doc: str, unit: str = "1", **limits: Any) -> Any:
@@ -47,7 +54,7 @@ def quantity(default: Any = ..., *, doc: str, unit: str = "1", **limits: Any) ->
 
 
 def choice(default: Any = ..., *, doc: str, **more: Any) -> Any:
-    """Declare a field that has no unit: a name, a flag, a list, a table."""
+    """Declare a field that has no unit: a name, a flag, a list."""
     return Field(default, description=doc, **more)
 
 
@@ -56,14 +63,10 @@ def table(model: type[BaseModel], doc: str) -> Any:
     return Field(default_factory=model, description=doc)
 
 
-AutoNumber = Annotated[float | None, Strict(), BeforeValidator(_auto)]
-"""A number, or "auto" (``None`` in Python): computed from the rest of the world."""
-
-
 class Section(BaseModel):
     """A frozen table of the world that knows no other keys than its own."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=False)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     def __eq__(self, other: object) -> bool:
         # Where a world came from (private attributes) does not make it another world.

@@ -34,3 +34,6 @@ class Film(Section):
         0.04, ge=0.0, le=1.0, doc="Share of the light that the lens spreads over the picture."
     )
     dither: Flag = choice(True, doc="Whether half a step of noise hides banding in 8-bit pictures.")
+    night_vision: Flag = choice(
+        True, doc="Whether the dark loses colour and turns blue, as it does for the eye (Purkinje)."
+    )

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from .errors import WorldError, shorten
-from .explain import Layer
+from .explain import Layer, origin
 from .source import inside, parse_layer, read_layer
 from .terrain import is_path
-from .trees import Tree, assign, merge, plain
-from .world import World
+from .trees import Tree, assign, plain
+from .world import World, absolute
 
 SCENES = Path(__file__).parent / "scenes"
 MAX_BASES = 8
@@ -33,8 +33,9 @@ def load(scene: str | Path | World, overrides: Iterable[str] | Mapping[str, Any]
     scene
         "jacksboro", "my/scene.toml", a `pathlib.Path`, or a World to be changed.
     overrides
-        ``["sky.turbidity=4", "time=2025-01-01T08:00Z"]``, values as in TOML, where a bare word is a string; or a
-        mapping of dotted keys to values. Paths in them count from the current directory and may lead anywhere.
+        ``["sky.turbidity=4", "time=2025-01-01T08:00Z"]``, values as in TOML, where a bare word is a string;
+        or a mapping of dotted keys to values. Paths in them count from the current directory and may lead
+        anywhere: who types them is trusted, while a scene file may come from anybody.
 
     Raises
     ------
@@ -51,7 +52,7 @@ def load(scene: str | Path | World, overrides: Iterable[str] | Mapping[str, Any]
         folder = scene.folder
     else:
         path, label = find(scene)
-        layers = _with_bases(read_layer(path, label), path)
+        layers = with_bases(read_layer(path, label), path)
         folder = path.parent.absolute()
     return build(layers + override_layers(overrides), folder)
 
@@ -59,22 +60,26 @@ def load(scene: str | Path | World, overrides: Iterable[str] | Mapping[str, Any]
 def loads(text: str, overrides: Iterable[str] | Mapping[str, Any] = (), folder: Path | None = None) -> World:
     """A validated world from the text of a scene; ``folder`` is where its relative paths count from."""
     layer = parse_layer(text, "scene text", folder)
-    layers = _with_bases(layer, (folder / "scene text") if folder else None)
+    layers = with_bases(layer, (folder / "scene text") if folder else None)
     return build(layers + override_layers(overrides), folder)
 
 
 def build(layers: list[Layer], folder: Path | None) -> World:
-    """One world of several layers, the later over the earlier."""
-    tree: Tree = {}
-    for layer in layers:
-        tree = merge(tree, layer.tree)
-    tree.pop("$schema", None)
-    for name in ("__folder__", "__layers__"):
-        tree.pop(name, None)
+    """One world of several layers, the later over the earlier, whose files exist."""
+    world = World.from_layers(layers, folder)
+    path = world.terrain.path
+    if world.terrain.source == "file" and path and not is_file(path):
+        where = origin(("terrain", "file"), layers)
+        raise WorldError(f"{where}terrain.file = {shorten(str(path), 120)}, but there is no such file")
+    return world
+
+
+def is_file(path: Path) -> bool:
+    """`Path.is_file`, but False too for a name the system finds too long."""
     try:
-        return World(**tree, __folder__=folder, __layers__=layers)
-    except RecursionError:
-        raise WorldError(f"{layers[0].label} is nested too deeply") from None
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def find(scene: str | Path) -> tuple[Path, str]:
@@ -95,7 +100,7 @@ def find(scene: str | Path) -> tuple[Path, str]:
     )
 
 
-def _with_bases(layer: Layer, path: Path | None) -> list[Layer]:
+def with_bases(layer: Layer, path: Path | None) -> list[Layer]:
     """The scene and all it builds on, the lowest first."""
     layers = [layer]
     seen = [path.resolve()] if path else []
@@ -110,8 +115,8 @@ def _with_bases(layer: Layer, path: Path | None) -> list[Layer]:
             path, label = SCENES / f"{base}.toml", f"{base} (shipped)"
         elif is_path(base):
             path = inside(base, path.parent if path else None, top.label, "extends")
-            label = base if len(layers) == 1 else str(path)
-            if not path.exists():
+            label = str(path)
+            if not is_file(path):
                 raise WorldError(f"{top.label}: extends = {shorten(base)}, but there is no such file")
         else:
             hint = get_close_matches(base, scene_names(), n=1, cutoff=0.5)
@@ -136,13 +141,14 @@ def _with_bases(layer: Layer, path: Path | None) -> list[Layer]:
 
 
 def override_layers(overrides: Iterable[str] | Mapping[str, Any]) -> list[Layer]:
-    """One layer per override, so that an error can name it."""
+    """One layer per override, in their order."""
     layers = []
     pairs = overrides.items() if isinstance(overrides, Mapping) else map(parse_override, overrides)
     for key, value in pairs:
         tree: Tree = {}
         assign(tree, key, plain(value))
-        layers.append(Layer(f"override {key}", tree))
+        absolute(tree)
+        layers.append(Layer("override", tree))
     return layers
 
 

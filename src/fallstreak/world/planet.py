@@ -14,8 +14,7 @@ class Planet(Section):
 
     preset: PlanetName = choice(
         "earth",
-        doc="Whose planet and sky defaults to take; keys that are given win. custom: as earth, but no promise "
-        "that sun, moon and stars stand where an almanac has them.",
+        doc="Whose planet and sky defaults to take; keys that are given win (custom: those of earth).",
     )
     radius: Number = quantity(
         6.36e6, unit="m", ge=1e5, le=1e8, doc="Radius of the sphere that is height 0 (sea level)."
@@ -32,9 +31,9 @@ class Planet(Section):
     )
 
 
-# Mars: mean radius; CO2 at 610 Pa and 210 K (2.1e23 molecules/m³) scatters about 2.5 times as strongly as air per
-# molecule; dust of optical depth 0.5 mixed over the pressure scale height of 11.1 km, its single-scattering albedo
-# falling from red to blue as Tomasko et al. 1999 (Pathfinder) found it: that is what makes the sky ochre.
+# Mars: mean radius; CO2 at 610 Pa and 210 K (2.1e23 molecules/m³) scatters 2.5 times as strongly as air
+# per molecule; dust of optical depth 0.5 mixed over the pressure scale height of 11.1 km, its albedo (single
+# scattering) falling from red to blue as Tomasko et al. 1999 (Pathfinder) found it: that makes the sky ochre.
 _MARS_DUST_EXTINCTION = 4.5e-5
 _MARS_DUST_ALBEDO = (0.965, 0.90, 0.76)
 

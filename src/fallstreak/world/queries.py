@@ -1,6 +1,6 @@
 """Questions the world answers with the help of upper rooms (`world.terrain.height`), without importing them.
 
-An upper room's function is registered under a name as "package.module:function"; it is imported when first asked.
+An upper room's function is registered under a name as "package.module:function" and imported when asked.
 `fallstreak/__init__.py` wires the shipped ones.
 """
 

@@ -1,4 +1,4 @@
-"""The air and what shines through it, in the terms of Bruneton 2017: three wavelengths, 680, 550 and 440 nm."""
+"""The air and what shines through it, as Bruneton 2017 has it: three wavelengths, 680, 550 and 440 nm."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from .fields import Asymmetry, AutoNumber, Flag, Number, Section, Spectrum, choice, quantity, table
+from .fields import Asymmetry, AutoAngle, Flag, Number, Section, Spectrum, choice, quantity, table
 
 
 class Sun(Section):
@@ -14,7 +14,7 @@ class Sun(Section):
 
     disc: Flag = choice(True, doc="Whether the disc itself is seen (its light is there in any case).")
     limb_darkening: Flag = choice(True, doc="Whether the disc darkens and reddens towards its edge.")
-    angular_diameter: AutoNumber = quantity(
+    angular_diameter: AutoAngle = quantity(
         None,
         unit="deg",
         ge=0.01,
@@ -76,7 +76,7 @@ class Sky(Section):
         le=1e6,
         doc="Height above which there is no air; take 8 scale heights or more.",
     )
-    sun: Sun = table(Sun, "How the sun's disc is drawn.")
+    sun: Sun = table(Sun, "The sun's disc: whether it is drawn, and how.")
     moon: Flag = choice(True, doc="Whether the moon is drawn and shines.")
     stars: Flag = choice(True, doc="Whether the stars are drawn.")
     star_magnitude_limit: Number = quantity(

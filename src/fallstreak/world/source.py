@@ -14,7 +14,7 @@ from .trees import Tree, plain
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4000
-"""tomllib takes time quadratic in the parts of a dotted key, so that one long line could stall it for minutes."""
+"""tomllib takes time quadratic in the parts of a dotted key: one long line could stall it for minutes."""
 
 
 def read_layer(path: Path, label: str | None = None) -> Layer:
@@ -67,6 +67,7 @@ def parse_layer(text: str, label: str, folder: Path | None) -> Layer:
         raise WorldError(f"{label}: {error}") from None
     except ValueError as error:  # integers beyond Python's limit of digits, dates that do not exist
         raise WorldError(f"{label} is not TOML: {_lower(str(error).split(';')[0])}") from None
+    tree.pop("$schema", None)
     _confine(tree, label, folder)
     return Layer(label, tree, text)
 
@@ -103,7 +104,7 @@ def inside(name: str, folder: Path | None, label: str, key: str) -> Path:
         raise WorldError(f"{label}: {key} = {shorten(name)} cannot be followed: {reason}") from None
     if Path(name).is_absolute() or not target.is_relative_to(root):
         raise WorldError(
-            f"{label}: {key} = {shorten(name)} leaves the scene's folder: allowed are relative paths inside it"
+            f"{label}: {key} = {shorten(name)} leaves the scene's folder: allowed are relative paths in it"
             + (f" (--set {key}=… may name any file)" if key != "extends" else "")
         )
     return target

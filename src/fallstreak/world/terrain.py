@@ -24,7 +24,7 @@ class Terrain(Section):
     )
     file: str = choice(
         "",
-        max_length=1000,
+        max_length=4096,
         doc="For source file: a .npz or .tif beside the scene, or the name of a shipped model (jacksboro).",
     )
     material: Literal["temperate", "desert", "mars", "snow"] = choice(
@@ -35,8 +35,8 @@ class Terrain(Section):
     )
     surroundings: Literal["continue", "flat", "sea"] = choice(
         "continue",
-        doc="What lies outside the file: continue invents hills like those inside, flat keeps the edge's mean "
-        "height, sea is height 0.",
+        doc="What lies outside the file: continue invents hills like those inside, flat keeps the mean "
+        "height of the edge, sea is height 0.",
     )
     vertical_exaggeration: Number = quantity(
         1.0, ge=0.0, le=20.0, doc="Heights of the file or fractal are multiplied by this."

@@ -17,9 +17,9 @@ class Track:
     points
         Pairs in strictly rising order of time.
     kind
-        "through": Catmull-Rom for uneven times (tangent = slope between the neighbours). "monotone": Fritsch-Butland
-        tangents, never beyond the values it joins. "turn": monotone, for an angle in degrees that goes the shorter
-        way from point to point; answers lie in 0..360.
+        "through": Catmull-Rom for uneven times (tangent = slope between the neighbours). "monotone":
+        Fritsch-Butland tangents, never beyond the values it joins. "turn": monotone, for an angle in degrees
+        that goes the shorter way from point to point; answers lie in 0..360.
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], kind: Kind) -> None:
@@ -58,10 +58,6 @@ class Track:
             span = t[i + 1] - t[i]
             s = (seconds - t[i]) / span
             r = 1.0 - s
-            value = (
-                v[i] * r * r * (1.0 + 2.0 * s)
-                + m[i] * span * s * r * r
-                + v[i + 1] * s * s * (3.0 - 2.0 * s)
-                - m[i + 1] * span * s * s * r
-            )
+            bend = span * s * r * (m[i] * r - m[i + 1] * s)
+            value = v[i] + (v[i + 1] - v[i]) * s * s * (3.0 - 2.0 * s) + bend
         return value % 360.0 if self.kind == "turn" else value

@@ -58,13 +58,21 @@ def assign(tree: Tree, key: str, value: Any) -> None:
     at[parts[-1]] = merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
 
 
-def lookup(tree: Any, path: tuple[str | int, ...]) -> bool:
-    """Whether the tree holds something at the path."""
+_NOTHING: Any = object()
+
+
+def at(tree: Any, path: tuple[str | int, ...], default: Any = None) -> Any:
+    """What the tree holds at the path."""
     for part in path:
         if isinstance(tree, dict) and part in tree:
             tree = tree[part]  # type: ignore[index]
         elif isinstance(tree, list) and isinstance(part, int) and part < len(tree):
             tree = tree[part]
         else:
-            return False
-    return True
+            return default
+    return tree
+
+
+def holds(tree: Any, path: tuple[str | int, ...]) -> bool:
+    """Whether the tree holds something at the path."""
+    return at(tree, path, _NOTHING) is not _NOTHING

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import AwareDatetime, BeforeValidator, PrivateAttr, ValidationError
+from pydantic import AfterValidator, AwareDatetime, BeforeValidator, PrivateAttr, ValidationError
 
 from .camera import Camera
-from .errors import WorldError
-from .explain import explain
+from .explain import Layer, explain
 from .fields import Number, Section, Whole, choice, quantity, table
 from .film import Film
 from .place import Place
@@ -24,23 +23,33 @@ from .trees import Tree, assign, merge, plain
 def _moment(value: Any) -> Any:
     if isinstance(value, (str, datetime)):
         return value
-    raise ValueError("write a date and time with its zone, such as 2025-10-18T18:20:00-04:00")
+    raise ValueError("it must be a date and time with its zone, such as 2025-10-18T18:28:00-04:00")
 
 
-def _in_almanac(value: Any) -> Any:
-    if isinstance(value, datetime) and not 1700 <= value.year <= 2200:
-        raise ValueError("the almanac of sun and moon holds from 1700 to 2200")
+def _in_almanac(value: datetime) -> datetime:
+    if not 1700 <= value.year <= 2200:
+        raise ValueError("the almanac of sun and moon holds for the years 1700 to 2200")
     return value
 
 
-Moment = Annotated[AwareDatetime, BeforeValidator(_moment, json_schema_input_type=AwareDatetime)]
+Moment = Annotated[
+    AwareDatetime,
+    BeforeValidator(_moment, json_schema_input_type=AwareDatetime),
+    AfterValidator(_in_almanac),
+]
 
 
 class World(Section):
-    """What there is, where and when. Sections are attributes: ``world.sky.turbidity``, ``world.terrain.height(e, n)``.
+    """What there is, where and when, by sections: ``world.sky.turbidity``, ``world.terrain.height(e, n)``.
 
-    Raises `WorldError` with one sentence when a value is not allowed. Relative paths given here count from the
-    current directory; those in a scene file from the file's folder.
+    Raises `WorldError` with one sentence when a value is not allowed. Relative paths given here count from
+    the current directory; those in a scene file from the file's folder.
+
+    Examples
+    --------
+    >>> world = World(planet={"preset": "mars"}, camera={"height": 30, "pitch": 2})
+    >>> world.planet.radius
+    3389500.0
     """
 
     name: str = choice("untitled", max_length=200, doc="What the scene is called.")
@@ -60,22 +69,33 @@ class World(Section):
     camera: Camera = table(Camera, "Where the picture is taken from.")
     film: Film = table(Film, "Exposure and tone.")
 
+    # What was given, before presets and defaults: the ground that changes are laid on.
     _given: Tree = PrivateAttr(default_factory=dict)
     _folder: Path | None = PrivateAttr(default=None)
 
-    def __init__(self, **given: Any) -> None:
-        folder = given.pop("__folder__", None)
-        layers = given.pop("__layers__", None)
+    def __init__(self, /, **given: Any) -> None:
         tree = plain(given)
-        _absolute(tree)
+        absolute(tree)
+        self._fill(tree, None, None)
+
+    def _fill(self, tree: Tree, folder: Path | None, layers: list[Layer] | None) -> None:
         try:
             super().__init__(**with_presets(tree))
-            _in_almanac_or_raise(self.time)
         except ValidationError as error:
-            raise explain(error, type(self), layers) from None
+            raise explain(error, type(self), tree, layers) from None
         self._given = tree
         self._folder = folder
         self.terrain._world = self
+
+    @classmethod
+    def from_layers(cls, layers: list[Layer], folder: Path | None) -> Self:
+        """One world of several layers of values, the later over the earlier; see `load` for the usual way."""
+        tree: Tree = {}
+        for layer in layers:
+            tree = merge(tree, layer.tree)
+        world = cls.__new__(cls)
+        world._fill(tree, folder, layers)
+        return world
 
     @property
     def folder(self) -> Path | None:
@@ -87,27 +107,23 @@ class World(Section):
 
         Keys are dotted; what was left to ``planet.preset`` follows a new preset.
         """
-        tree = plain(self._given)
+        change: Tree = {}
         for key, value in changes.items():
-            assign(tree, key, plain(value))
-        return World(**tree, __folder__=self._folder)
+            assign(change, key, plain(value))
+        absolute(change)
+        layers = [Layer("the world", plain(self._given)), Layer("change", change)]
+        return type(self).from_layers(layers, self._folder)
 
     def to_toml(self) -> str:
-        """The world as a scene file: what differs from the defaults of its preset. Loads back to an equal world.
+        """The world as a scene file: what differs from its preset's defaults. It loads to an equal world.
 
-        An elevation file inside the world's folder is written relative to it; one elsewhere as an absolute path,
-        which a scene file may not hold: move it beside the scene, or give it by ``--set terrain.file=…``.
+        An elevation file inside the world's folder is written relative to it. One elsewhere is written as an
+        absolute path, which a scene file may not hold: move it beside the scene, or give it when loading by
+        ``terrain.file=…``.
         """
         from .writing import to_toml
 
         return to_toml(self)
-
-
-def _in_almanac_or_raise(time: datetime) -> None:
-    if not 1700 <= time.year <= 2200:
-        raise WorldError(
-            f"time = {time.isoformat()} is outside the almanac of sun and moon: allowed are the years 1700 to 2200"
-        )
 
 
 def with_presets(tree: Tree) -> Tree:
@@ -118,8 +134,8 @@ def with_presets(tree: Tree) -> Tree:
     return merge(plain(found), tree) if found else tree
 
 
-def _absolute(tree: Tree) -> None:
-    """Resolve paths given in Python or on the command line against the current directory."""
+def absolute(tree: Tree) -> None:
+    """Resolve a path given in Python or on the command line against the current directory."""
     terrain = tree.get("terrain")
     file = terrain.get("file") if isinstance(terrain, dict) else None
     if isinstance(terrain, dict) and isinstance(file, str) and is_path(file) and "\0" not in file:

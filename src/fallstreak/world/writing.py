@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import WorldError, shorten
-from .source import read_text
+from .source import parse_layer, read_text
+from .trees import assign, plain
 
 if TYPE_CHECKING:
     from .world import World
@@ -68,51 +70,81 @@ def edit_toml(scene: str | Path, changes: Mapping[str, Any]) -> str:
     Parameters
     ----------
     scene
-        A `pathlib.Path` to a file, which is rewritten in one step (beside, then renamed), or a TOML text.
+        A `pathlib.Path` (or a string that ends in .toml), whose file is rewritten in one step: written
+        beside, then renamed. Or the text of a scene.
     changes
         Dotted keys with their new values; ``None`` removes a key.
 
     Returns
     -------
     str
-        The new text. It is validated before anything is written.
+        The new text, which has been found valid before anything was written.
+
+    Examples
+    --------
+    >>> edit_toml("seed = 1  # lucky\\n", {"seed": 7})
+    'seed = 7  # lucky\\n'
     """
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
-    from .loading import build, override_layers
-    from .loading import _with_bases as with_bases
-    from .source import parse_layer
+    from .loading import build, with_bases
 
-    path = scene if isinstance(scene, Path) else None
+    path = Path(scene) if isinstance(scene, Path) or str(scene).endswith(".toml") else None
     label = str(path) if path else "scene text"
     text = read_text(path, label) if path else str(scene)
-    parse_layer(text, label, path.parent if path else Path.cwd())
+    folder = path.parent if path else Path.cwd()
+    parse_layer(text, label, folder)
+    expected = plain(tomllib.loads(text))
     try:
         document = tomlkit.parse(text)
-    except (TOMLKitError, ValueError, RecursionError) as error:
-        raise WorldError(f"{label} is not TOML: {error}") from None
-    for key, value in changes.items():
-        *tables, last = key.split(".")
-        at: Any = document
-        for name in tables:
-            if name not in at:
-                at.add(name, tomlkit.table())
-            at = at[name]
-            if not isinstance(at, Mapping):
-                raise WorldError(
-                    f"{label}: {key} cannot be set, since {name} is {shorten(at)} and not a table"
-                )
-        if value is None:
-            at.pop(last, None)
-        else:
-            at[last] = value
-    result = tomlkit.dumps(document)
-    folder = path.parent if path else Path.cwd()
+        for key, value in changes.items():
+            value = plain(value)
+            _set(document, key, value)
+            if value is None:
+                _remove(expected, key)
+            else:
+                assign(expected, key, value)
+        result = tomlkit.dumps(document)
+    except (TOMLKitError, ValueError, TypeError, RecursionError) as error:
+        raise WorldError(f"{label} cannot be edited: {error}") from None
     layer = parse_layer(result, label, folder)
-    build(with_bases(layer, path or folder / "scene text") + override_layers(()), folder)
+    if plain(tomllib.loads(result)) != expected:
+        raise WorldError(f"{label} cannot be edited in place: its layout hides where a new key belongs")
+    build(with_bases(layer, path or folder / "scene text"), folder)
     if path:
+        bom = "\ufeff" if path.read_bytes().startswith(b"\xef\xbb\xbf") else ""
         beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-        beside.write_text(result, encoding="utf-8", newline="")
+        beside.write_text(bom + result, encoding="utf-8", newline="")
         os.replace(beside, path)
     return result
+
+
+def _set(document: Any, key: str, value: Any) -> None:
+    """Set or remove (None) a dotted key in a tomlkit document."""
+    import tomlkit
+
+    *tables, last = key.split(".")
+    at: Any = document
+    for name in tables:
+        if name not in at:
+            if value is None:
+                return
+            at.add(name, tomlkit.table())
+        at = at[name]
+        if not hasattr(at, "keys"):
+            raise ValueError(f"{key} cannot be set, since {name} is {shorten(at)} and not a table")
+    if value is None:
+        at.pop(last, None)
+    elif isinstance(value, dict) and isinstance(at.get(last), dict):
+        for inner, item in value.items():
+            _set(at[last], inner, item)
+    else:
+        at[last] = value
+
+
+def _remove(tree: Any, key: str) -> None:
+    *tables, last = key.split(".")
+    for name in tables:
+        tree = tree.get(name, {})
+    tree.pop(last, None)
