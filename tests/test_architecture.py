@@ -81,7 +81,7 @@ def tracked_files() -> list[Path]:
     )
     if git and git.returncode == 0:
         return [ROOT / name for name in git.stdout.split("\0") if name and (ROOT / name).is_file()]
-    apart = {".git", ".venv", ".pytest_cache", ".ruff_cache", "out", "site", "__pycache__"}
+    apart = {".git", ".venv", ".pytest_cache", ".ruff_cache", "out", "site", "failed", "__pycache__"}
     return [p for p in ROOT.rglob("*") if p.is_file() and not apart & set(p.relative_to(ROOT).parts)]
 
 
