@@ -16,7 +16,7 @@ Depth is the distance from the camera along the ray of the pixel, in metres; the
 
 from fallstreak.output.errors import OutputError
 from fallstreak.output.layers import LAYERS, FrameLike, layers_of
-from fallstreak.output.metadata import describes, is_whole, read_metadata
+from fallstreak.output.metadata import describes, is_whole, read_metadata, world_digest
 from fallstreak.output.save import FORMATS, save
 
 __all__ = [
@@ -29,4 +29,5 @@ __all__ = [
     "layers_of",
     "read_metadata",
     "save",
+    "world_digest",
 ]

@@ -21,7 +21,7 @@ class FrameLike(Protocol):
     ldr : ndarray of uint8, shape (H, W, 3)
         The finished picture: exposed, tone-mapped, sRGB, dithered.
     ldr16 : ndarray of uint16, shape (H, W, 3)
-        The same in 16 bits.
+        The same in 16 bits; a frame has one or the other.
     depth : ndarray of float32, shape (H, W)
         Distance from the camera along the ray, metres; infinite where nothing is hit.
     normal : ndarray of float32, shape (H, W, 3)
@@ -38,10 +38,14 @@ class FrameLike(Protocol):
         Timings and memory.
     """
 
-    hdr: np.ndarray
-    ldr: np.ndarray
-    metadata: Mapping[str, Any]
-    stats: Mapping[str, Any]
+    @property
+    def ldr(self) -> np.ndarray | None: ...
+
+    @property
+    def metadata(self) -> Mapping[str, Any]: ...
+
+    @property
+    def stats(self) -> Mapping[str, Any]: ...
 
 
 @dataclass(frozen=True)

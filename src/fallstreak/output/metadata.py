@@ -6,16 +6,20 @@ a PNG it is the `iTXt` chunk "fallstreak", in EXR the attribute `fallstreak`, in
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
 from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fallstreak.output.exr import read_exr_text
 from fallstreak.output.npz import read_npz_text
 from fallstreak.output.png import read_png_text
+
+if TYPE_CHECKING:
+    from fallstreak.world import World
 
 KEYWORD = "fallstreak"
 
@@ -92,3 +96,16 @@ def is_whole(path: str | os.PathLike, expected: Mapping[str, Any] | None = None)
     """
     metadata = read_metadata(path)
     return metadata is not None and (expected is None or describes(metadata, expected))
+
+
+def world_digest(world: World) -> str:
+    """Sixteen hexadecimal digits that differ when anything in the world differs.
+
+    Of an elevation file it is the contents that count, not where it lies: the same on every machine.
+    """
+    values = world.model_dump(mode="json")
+    path = world.terrain.path if world.terrain.source == "file" else None
+    if path and path.is_file():
+        with open(path, "rb") as file:
+            values["terrain"]["file"] = hashlib.file_digest(file, "sha256").hexdigest()
+    return hashlib.sha256(canonical(values).encode()).hexdigest()[:16]

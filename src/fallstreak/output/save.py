@@ -28,7 +28,8 @@ def save(
     path: str | os.PathLike,
     *,
     layers: Iterable[str] | None = None,
-    bits: int = 8,
+    bits: int | None = None,
+    facts: Mapping[str, Any] | None = None,
 ) -> Path:
     """Write a frame to a file; the suffix decides the format.
 
@@ -42,8 +43,10 @@ def save(
     layers : iterable of str, optional
         For .exr and .npz: which of "hdr", "depth", "normal", "albedo", "motion"; by default all that were
         rendered.
-    bits : {8, 16}
-        For .png: bits per channel.
+    bits : {8, 16}, optional
+        For .png: bits per channel; by default what was rendered.
+    facts : mapping, optional
+        More metadata, over the frame's own.
 
     Returns
     -------
@@ -58,14 +61,16 @@ def save(
     """
     path = Path(path)
     suffix = check_format(path)
-    facts = file_metadata(frame.metadata, path, layers=layers, bits=bits, frame=frame)
+    if bits is None:
+        bits = 8 if frame.ldr is not None else 16
+    facts = file_metadata({**frame.metadata, **(facts or {})}, path, layers=layers, bits=bits, frame=frame)
     if suffix == ".png":
         write_png(path, _picture(frame, bits), png_text(facts))
     elif suffix == ".exr":
         write_exr(path, layers_of(frame, layers), facts)
     else:
         arrays = layers_of(frame, layers)
-        if layers is None and getattr(frame, "ldr", None) is not None:
+        if layers is None and frame.ldr is not None:
             arrays["ldr"] = frame.ldr
         write_npz(path, arrays, facts)
     return path
@@ -107,9 +112,7 @@ def file_metadata(
 
 
 def _picture(frame: FrameLike, bits: int) -> np.ndarray:
-    if bits == 8:
-        return np.asarray(frame.ldr, np.uint8)
-    pixels = getattr(frame, "ldr16", None)
+    pixels = getattr(frame, "ldr" if bits == 8 else "ldr16", None)
     if pixels is None:
-        raise OutputError("a PNG of 16 bits was asked for, but the frame was rendered in 8")
-    return np.asarray(pixels, np.uint16)
+        raise OutputError(f"a PNG of {bits} bits was asked for, but the frame was not rendered so")
+    return np.asarray(pixels, np.uint8 if bits == 8 else np.uint16)

@@ -64,9 +64,9 @@ class Target:
         path = self.names.path(index)
         return is_whole(path, file_metadata(expected, path, layers=self.layers, bits=self.bits))
 
-    def save(self, index: int, frame: FrameLike) -> Path:
-        """Write the file of frame `index`."""
-        return save(frame, self.names.path(index), layers=self.layers, bits=self.bits)
+    def save(self, index: int, frame: FrameLike, facts: Mapping[str, Any]) -> Path:
+        """Write the file of frame `index`, with these facts in its metadata."""
+        return save(frame, self.names.path(index), layers=self.layers, bits=self.bits, facts=facts)
 
 
 @dataclass
@@ -161,8 +161,9 @@ def render_sequence(
         def finish(index: int, pending: PendingFrame) -> None:
             frame = pending.result()
             if index in wanted:
+                facts = expected(index)
                 for target in targets:
-                    writer.put(lambda target=target: target.save(index, frame))
+                    writer.put(lambda target=target: target.save(index, frame, facts))
                 progress.rendered += 1
             else:
                 progress.replayed += 1
