@@ -1,14 +1,13 @@
 """`@if`, `@elif`, `@else`: what is compiled at all.
 
-The pass works on tokens: it walks the module once, finds the extent of every decorated node (directive, import,
-declaration, struct member, parameter, statement, switch clause) and keeps or drops its tokens. What comes out
-is a module without conditions, so that the parser after it never hears of them.
+The pass works on tokens: it walks the module once, finds the extent of every decorated node (directive,
+import, declaration, struct member, parameter, statement, switch clause) and keeps or drops its tokens. What
+comes out is a module without conditions, so that the parser after it never hears of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 
 from .errors import WeslError, did_you_mean
 from .lexer import END, NAME, Token
@@ -36,11 +35,14 @@ class Conditions:
         """Return the tokens that remain, END included."""
         self._nodes(self._declaration, stop=None)
         self.kept.append(self.tokens[self.at])
+        for token, after in zip(self.kept, self.kept[1:], strict=False):
+            if token.text == "@" and after.text in CONDITIONS:
+                raise self._error("a condition cannot stand here", token)
         return self.kept
 
     # --- sequences of nodes -------------------------------------------------------------------------------
 
-    def _nodes(self, node, stop: str | None) -> None:
+    def _nodes(self, node: Callable[[], None], stop: str | None) -> None:
         """Walk sibling nodes up to `stop` (or the end), applying the chain of conditions between them."""
         chain: bool | None = None  # None: no chain is open; else: has a branch of it been taken?
         while True:
@@ -57,45 +59,51 @@ class Conditions:
                 alive, chain = self._decide(condition, where, chain)
             if self.tokens[self.at].kind == END or self.tokens[self.at].text == stop:
                 raise self._error("this attribute decorates nothing", where or self.tokens[start])
+            begin = self.at
             node()
-            if self.at == start:
+            if self.at == begin:
+                token = self.tokens[begin]
                 raise self._error(f"'{token.text}' is not expected here", token)
             if where is not None and alive:
                 # The node now begins where its condition stood.
-                self.kept[keep_from] = replace(self.kept[keep_from], gap=self.tokens[start].gap)
+                self.kept[keep_from] = self.kept[keep_from]._replace(gap=self.tokens[start].gap)
             if not alive:
                 del self.kept[keep_from:]
 
-    def _attributes(self) -> tuple[bool | str | None, Token | None]:
+    def _attributes(self) -> tuple[tuple[str, bool] | None, Token | None]:
         """Consume the attributes in front of a node; keep all but the condition.
 
-        Returns the condition (True or False of an `@if`, ``("elif", value)``, "else" or None) and its token.
+        Returns the condition, as ("if" | "elif" | "else", value), and its token.
         """
-        condition, where = None, None
+        condition: tuple[str, bool] | None = None
+        where: Token | None = None
         while self.tokens[self.at].text == "@":
             name = self.tokens[self.at + 1]
+            if name.kind != NAME:
+                raise self._error("an attribute needs a name", self.tokens[self.at])
             if name.text in CONDITIONS:
                 if where is not None:
                     raise self._error("a node takes one condition; write @if(a && b)", name)
                 where = name
                 self.at += 2
-                condition = name.text if name.text == "else" else (name.text, self._condition(name))
+                condition = (name.text, name.text == "else" or self._condition(name))
             else:
                 self._keep(2)
                 if self.tokens[self.at].text == "(":
                     self._balanced()
         return condition, where
 
-    def _decide(self, condition, where: Token | None, chain: bool | None) -> tuple[bool, bool | None]:
+    def _decide(
+        self, condition: tuple[str, bool], where: Token | None, chain: bool | None
+    ) -> tuple[bool, bool | None]:
         """Return (is this node alive, state of the chain after it)."""
-        if condition != "else" and condition[0] == "if":
-            return condition[1], condition[1]
+        word, value = condition
+        if word == "if":
+            return value, value
         if chain is None:
-            word = "else" if condition == "else" else "elif"
             raise self._error(f"@{word} must directly follow a node with @if or @elif", where)
-        if condition == "else":
-            return not chain, None
-        return (condition[1] and not chain), (chain or condition[1])
+        alive = value and not chain
+        return alive, None if word == "else" else chain or value
 
     # --- nodes --------------------------------------------------------------------------------------------
 
@@ -159,6 +167,9 @@ class Conditions:
     # --- tokens -------------------------------------------------------------------------------------------
 
     def _keep(self, count: int) -> None:
+        last = self.tokens[-1]
+        if self.at + count >= len(self.tokens):
+            raise self._error("the file ends too early", last)
         self.kept.extend(self.tokens[self.at : self.at + count])
         self.at += count
 
@@ -200,8 +211,6 @@ class Conditions:
             token = self.tokens[self.at]
             if token.kind == END:
                 raise self._error(f"this '{start.text}' is never closed", start)
-            if token.text == "@" and self.tokens[self.at + 1].text in CONDITIONS:
-                raise self._error("a condition cannot stand here", token)
             depth += (token.text in _OPENS) - (token.text in _CLOSES)
             self._keep(1)
             if depth == 0:

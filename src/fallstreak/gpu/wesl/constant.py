@@ -10,7 +10,7 @@ from .lexer import NAME, NUMBER, Token
 if TYPE_CHECKING:
     from .link import Item
 
-_INTEGER = re.compile(r"(0[xX][0-9a-fA-F]+|[0-9]+)[iu]?")
+_INTEGER = re.compile(r"(0[xX][0-9a-fA-F]+|0|[1-9][0-9]*)[iu]?")
 _LEVELS = (("|",), ("^",), ("&",), ("+", "-"), ("*", "/", "%"))
 
 
@@ -42,7 +42,7 @@ class _Evaluator:
 
     def _level(self, level: int) -> int:
         if level == len(_LEVELS):
-            return self._shift_free_unary()
+            return self._unary()
         value = self._level(level + 1)
         while self._peek() in _LEVELS[level]:
             operator = self._peek()
@@ -50,13 +50,13 @@ class _Evaluator:
             value = _apply(operator, value, self._level(level + 1))
         return value
 
-    def _shift_free_unary(self) -> int:
+    def _unary(self) -> int:
         if self.at >= len(self.tokens):
             raise _Unknown
         token = self.tokens[self.at]
         self.at += 1
         if token.text == "-":
-            return -self._shift_free_unary()
+            return -self._unary()
         if token.text == "(":
             value = self._level(0)
             if self._peek() != ")":
@@ -78,7 +78,7 @@ class _Evaluator:
             path.append(self.tokens[self.at + 1].text)
             self.at += 2
         if path in (["u32"], ["i32"]) and self._peek() == "(":
-            return self._shift_free_unary()
+            return self._unary()
         target = self.item.targets.get(tuple(path))
         if target is None or target.declaration.kind != "const" or self.depth > 32:
             raise _Unknown

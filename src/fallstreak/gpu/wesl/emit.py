@@ -16,7 +16,7 @@ OWN: Path = ()  # stands for the declared name itself among the references
 
 
 class Pieces:
-    """A declaration cut at its names: ``texts[0] + name + texts[1] + …``, and the source line of each line."""
+    """A declaration cut at its names, ``texts[0] + name + texts[1] + …``, and the source of each line."""
 
     __slots__ = ("lines", "paths", "texts")
 
@@ -59,7 +59,8 @@ def walk(declaration: Declaration) -> Iterator[tuple[Token, str, Path | None]]:
 class Emitter:
     """Collects the output.
 
-    ``places[n]`` is the (filename, line) of output line n + 1; ``parts`` are (first line, item) of each declaration.
+    ``places[n]`` is the (filename, line) of output line n + 1; ``parts`` are (first line, item) of every
+    declaration.
     """
 
     def __init__(self) -> None:
@@ -98,7 +99,7 @@ class Emitter:
                         self.places.append((module.filename, tokens[0].line))
 
     def item(self, item: Item) -> None:
-        declaration, filename, targets = item.declaration, item.module.filename, item.targets
+        declaration, filename = item.declaration, item.module.filename
         pieces = declaration.pieces
         if pieces is None:
             pieces = declaration.pieces = Pieces(declaration)

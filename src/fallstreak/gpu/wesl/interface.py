@@ -22,7 +22,8 @@ class Binding:
     ----------
     group, binding : int
     kind : str
-        "uniform", "storage", "texture", "depth_texture", "storage_texture", "sampler" or "comparison_sampler".
+        "uniform", "storage", "texture", "depth_texture", "storage_texture", "sampler" or
+        "comparison_sampler".
     access : str
         "read", "write" or "read_write".
     type : str
@@ -55,20 +56,23 @@ def binding_of(item: Item) -> Binding:
     """Describe a global variable with a @binding attribute."""
     declaration = item.declaration
     tokens = declaration.tokens
-    numbers = []
-    for attribute in ("group", "binding"):
-        if attribute not in declaration.attributes:
-            raise _error(item, f"'{declaration.name}' has a @binding but no @{attribute}")
-        value = evaluate(item, declaration.attributes[attribute])
-        if not isinstance(value, int):
-            raise _error(item, f"the @{attribute} of '{declaration.name}' must be a whole number")
-        numbers.append(value)
     at = declaration.name_at + 1
     if tokens[at].text != ":":
         raise _error(item, f"'{declaration.name}' needs a type")
     space = _words_before(tokens, declaration.name_at)
     kind, access = _kind(item, at + 1, space)
-    return Binding(*numbers, kind, access, spell(item, at + 1, len(tokens) - 1), item.name)
+    group, binding = _number(item, "group"), _number(item, "binding")
+    return Binding(group, binding, kind, access, spell(item, at + 1, len(tokens) - 1), item.name)
+
+
+def _number(item: Item, attribute: str) -> int:
+    """Return the value of the @group or @binding of a variable."""
+    if attribute not in item.declaration.attributes:
+        raise _error(item, f"'{item.declaration.name}' has no @{attribute}")
+    value = evaluate(item, item.declaration.attributes[attribute])
+    if value is None or value < 0:
+        raise _error(item, f"the @{attribute} of '{item.declaration.name}' must be a whole number")
+    return value
 
 
 def entry_of(item: Item) -> EntryPoint:
@@ -77,9 +81,11 @@ def entry_of(item: Item) -> EntryPoint:
     size = None
     if arguments is not None:
         values = [evaluate(item, part) for part in _split(arguments)]
-        if all(isinstance(value, int) for value in values) and 1 <= len(values) <= 3:
-            size = tuple((values + [1, 1])[:3])
-    return EntryPoint(item.declaration.stage or "", item.name, size)  # type: ignore[arg-type]
+        known = [value for value in values if value is not None]
+        if len(known) == len(values) and 1 <= len(values) <= 3:
+            x, y, z, *_ = (*known, 1, 1)
+            size = (x, y, z)
+    return EntryPoint(item.declaration.stage or "", item.name, size)
 
 
 def _words_before(tokens: list[Token], name_at: int) -> list[str]:

@@ -9,15 +9,14 @@ one output line for each source line that had code.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from .errors import WeslError
 
 NAME, NUMBER, SYMBOL, END = "name", "number", "symbol", "end"
 
 
-@dataclass(slots=True, frozen=True)
-class Token:
+class Token(NamedTuple):
     kind: str
     text: str
     line: int
@@ -35,7 +34,7 @@ _TOKEN = re.compile(
     | (?P<name>[^\W\d]\w*)
     | (?P<number>
           0[xX](?:[0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)(?:[pP][+-]?[0-9]+[fh]?|[iu])?
-        | (?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)(?:[eE][+-]?[0-9]+)?[iufh]?
+        | (?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)(?:[eE][+-]?[0-9]+)?(?:[iufh]|l[iuf])?
       )
     | (?P<symbol>::|->|&&|\|\||==|!=|\+\+|--|[-+*/%&|^]=|[-+*/%&|^~!<>=(){}\[\],.;:@])
     """,
@@ -75,6 +74,8 @@ def tokenize(text: str, filename: str) -> list[Token]:
                 gap = " " if spaced else ""
             tokens.append(Token(kind, match.group(), line, column, gap))
             broke = spaced = False
+        elif text[position:end] == " ":
+            spaced = True
         else:
             if kind == "block_comment":
                 end = _comment_end(text, position, filename, line, position - line_start + 1)

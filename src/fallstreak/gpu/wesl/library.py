@@ -30,9 +30,12 @@ class Source:
         key = tuple((name, bool(flags[name])) for name in sorted(self.flags) if name in flags)
         if key not in self.variants:
             tokens = self.tokens
-            if self.conditional:
-                tokens = Conditions(tokens, flags, self.filename).strip()
-            self.variants[key] = Parser(tokens, self.path, self.filename).parse()
+            try:
+                if self.conditional:
+                    tokens = Conditions(tokens, flags, self.filename).strip()
+                self.variants[key] = Parser(tokens, self.path, self.filename).parse()
+            except RecursionError:
+                raise WeslError("blocks or conditions are nested too deeply", self.filename) from None
         return self.variants[key]
 
 
@@ -72,7 +75,7 @@ class Library:
     def _load(self, path: Path) -> Module | None:
         if path in self.virtual:
             return source(path, f"<{'::'.join(path)}>", self.virtual[path]).module(self.flags)
-        if path[0] != "package" or len(path) < 2:
+        if len(path) < 2 or path[0] != "package":
             return None
         try:
             found = self.resolve(path[1:])
@@ -134,7 +137,7 @@ class package_resolver:
         return file.relative_to(self.root.parent).as_posix()
 
 
-# --- virtual packages -----------------------------------------------------------------------------------------
+# --- virtual packages --------------------------------------------------------------------------------
 
 
 def virtual_text(name: str, content: Any) -> str:

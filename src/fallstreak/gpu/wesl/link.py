@@ -43,17 +43,17 @@ def link(
     module : str
         The entry module, as ``"package::sky::transmittance"``.
     entries : iterable of str, optional
-        Names of the entry points to keep; all of the module when left out. An entry may also be imported by the
-        module, or be written as a full path, ``"package::gpu::fullscreen::vertex_main"``.
+        Names of the entry points to keep; all of the module when left out. An entry may also be imported by
+        the module, or be written as a full path, ``"package::gpu::fullscreen::vertex_main"``.
     resolve : callable, optional
         From a module path without ``package``, as ``("sky", "air")``, to ``(source, filename)``, or None when
         there is no such module. Default: the ``.wesl`` files of this package.
     flags : mapping, optional
         Values of the flags that ``@if`` may ask for. Asking for one that is not here is an error.
     virtual : mapping, optional
-        Virtual packages: ``{"constants": {"STEPS": 40}, "structs": [VIEW, …]}``; a mapping becomes constants, a
-        list of objects with ``name``, ``wgsl()`` and ``dependencies`` becomes struct declarations, a string is
-        taken as WESL source.
+        Virtual packages: ``{"constants": {"STEPS": 40}, "structs": [VIEW, …]}``. A mapping becomes constants,
+        a list of objects with ``name``, ``wgsl()`` and ``dependencies`` becomes struct declarations, a string
+        is taken as WESL source.
 
     Returns
     -------
@@ -184,7 +184,7 @@ class _Linker:
             full = absolute(path, module.path)
             if full is None:
                 raise self._error(item, reference, "'super' leaves the package here")
-        home = self.library.module(full[:-1]) if len(full) > 1 else None
+        home = self.library.module(full[:-1])
         if home is None:
             raise self._error(item, reference, self._missing(full))
         declaration = home.declarations.get(full[-1])
@@ -195,24 +195,25 @@ class _Linker:
     def _check_import(self, module: Module, imported) -> None:
         """An import must name a declaration or a module, even if nobody uses it."""
         path = imported.path
-        home = self.library.module(path[:-1]) if len(path) > 1 else None
+        home = self.library.module(path[:-1])
         if (home is None or path[-1] not in home.declarations) and self.library.module(path) is None:
             token = imported.token
             raise WeslError(self._missing(path), module.filename, token.line, token.column)
 
     def _missing(self, path: Path) -> str:
         """Say what is wrong with a path that leads nowhere."""
-        home = self.library.module(path[:-1]) if len(path) > 1 else None
+        home = self.library.module(path[:-1])
         if home is None:
             if self.library.module(path) is not None:
                 return f"{'::'.join(path)} is a module, not a declaration"
-            place = path[:-1] if len(path) > 1 and path[0] == "package" and len(path) > 2 else path
-            known = self.library.packages()
-            if path[0] not in known:
-                return f"there is no package or import '{path[0]}'{did_you_mean(path[0], known)}"
+            word, known = path[0], self.library.packages()
+            if word not in known:
+                return f"there is no package or import '{word}'{did_you_mean(word, known)}"
+            place = path[:-1] if len(path) > 2 else path
             return f"there is no module {'::'.join(place)}{self.library.suggestion(place)}"
         if path[-1] in home.imports:
-            return f"{'::'.join(path[:-1])} only imports '{path[-1]}'; import {'::'.join(home.imports[path[-1]].path)}"
+            origin = "::".join(home.imports[path[-1]].path)
+            return f"{'::'.join(path[:-1])} only imports '{path[-1]}'; import {origin} instead"
         return (
             f"{'::'.join(path[:-1])} ({home.filename}) declares no '{path[-1]}'"
             f"{did_you_mean(path[-1], home.declarations)}"
@@ -227,25 +228,29 @@ class _Linker:
     def _name(self, root: Module, heads: list[Item]) -> None:
         """Give every item its name in the output.
 
-        Entry points and the entry module keep theirs, others carry their module in front. A name is refused when
-        it is taken, when WGSL has it already, or when a function that refers to the item from another
-        module has a local of that name, which would capture the reference.
+        Entry points, overrides and the entry module keep theirs, others carry their module in front. A name
+        is refused when it is taken, when WGSL has it already, or when a function that refers to the item by
+        another name has a local of that name, which would capture the reference.
         """
-        captured: dict[int, set[str]] = {}
-        for item in self.items.values():
-            for path, target in item.targets.items():
-                if target is not None and item.declaration.locals:
-                    written = path[0] if len(path) == 1 else None
-                    names = item.declaration.locals
-                    captured.setdefault(id(target), set()).update(names - {written} if written else names)
-        taken: set[str] = set()
-        for item in heads:
+        captured = self._captured()
+        taken: dict[str, Item] = {}
+        items = [item for item in self.items.values() if item.declaration.name]
+        visible = heads + [item for item in items if item.declaration.kind == "override"]
+        for item in visible:
             item.name = item.declaration.name
-            taken.add(item.name)
-        rest = [item for item in self.items.values() if not item.name and item.declaration.name]
+            if taken.setdefault(item.name, item) is not item or item.name in captured.get(id(item), ()):
+                token = item.declaration.tokens[item.declaration.name_at]
+                raise WeslError(
+                    f"the name '{item.name}' is visible from outside and cannot be given up, but something "
+                    "else in this shader needs it",
+                    item.module.filename,
+                    token.line,
+                    token.column,
+                )
         # The entry module first, so that its names stay as they are whatever the libraries are called.
-        rest.sort(key=lambda item: item.module is not root)
-        for item in rest:
+        for item in sorted(items, key=lambda item: item.module is not root):
+            if item.name:
+                continue
             own = item.declaration.name
             if item.module is root or item.module.path == ("structs",):
                 wish = own
@@ -257,7 +262,20 @@ class _Linker:
                 count += 1
                 name = f"{wish}_{count}"
             item.name = name
-            taken.add(name)
+            taken[name] = item
+
+    def _captured(self) -> dict[int, set[str]]:
+        """Return, per item, the local names of functions that refer to it under another name."""
+        captured: dict[int, set[str]] = {}
+        for item in self.items.values():
+            names = item.declaration.locals
+            if names:
+                for path, target in item.targets.items():
+                    if target is not None:
+                        # Where the source itself writes this very name, its scopes already tell them apart.
+                        hidden = names - {path[0]} if len(path) == 1 else names
+                        captured.setdefault(id(target), set()).update(hidden)
+        return captured
 
     def _ordered(self) -> list[Item]:
         """Libraries before those who use them, each in the order of its source."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _HEADER = re.compile(r"^(?P<indent> *)┌─ (?P<label>.*):(?P<line>\d+):(?P<column>\d+)\s*$")
 _GUTTER = re.compile(r"^(?P<indent> *)(?P<line>\d+)(?P<rest> │.*)$")
 _CARETS = re.compile(r"^ *[│|][ │╭╰]* (?P<carets>\^+)")
+_OWNER = re.compile(r"Entry point (\w+) at|Function \[\d+\] '(\w+)'")
 _SENTENCE = re.compile(r"(?:parsing|validation) error: *(.+)")
 
 
@@ -81,10 +82,11 @@ class Linked:
             return message.strip()
         sentence = next((found.group(1) for found in map(_SENTENCE.search, lines) if found), "")
         reason = [line.strip()[2:] for line in lines if line.strip().startswith("= ")]
-        if "is invalid" in sentence and reason:
-            sentence = reason[-1]
-        filename, line, column = place
         body = self._excerpts(lines)
+        if "is invalid" in sentence and reason:
+            # The first line only says which function; without an excerpt that is worth keeping.
+            sentence = reason[-1] if body else f"{sentence}: {reason[-1]}"
+        filename, line, column = place
         return "\n".join([f"{filename}:{line}:{column}: {self._plain(sentence)}", *body])
 
     def _place(self, lines: list[str]) -> tuple[str, int, int] | None:
@@ -102,7 +104,14 @@ class Linked:
                     if "╭" in "".join(lines[:number]):
                         column -= 2
                     return self.position(int(found["line"]), max(column, 1))
-        return None if header is None else self.position(*header)
+        if header is not None:
+            return self.position(*header)
+        owner = _OWNER.search("\n".join(lines))
+        for _, item in self._parts:
+            if owner and item.name in owner.groups():
+                token = item.declaration.tokens[item.declaration.name_at]
+                return item.module.filename, token.line, token.column
+        return None
 
     def _excerpts(self, lines: list[str]) -> list[str]:
         """Return the excerpt part of a message with source places in headers and gutters."""
@@ -119,7 +128,8 @@ class Linked:
                 result.append(f"{self.locate(int(gutter['line']))[1]:>{width}}{gutter['rest']}")
             elif text.lstrip().startswith("│"):
                 result.append(f"{' ' * width} {text.lstrip()}")
-            elif text.strip():
+            elif text.strip() and not any(text.strip() in earlier for earlier in result):
+                # The compiler says its reasons twice, once as notes and once as a chain of causes.
                 result.append(f"{' ' * width} {self._plain(text.strip())}")
         return result
 
@@ -127,6 +137,7 @@ class Linked:
         """Replace generated names by those of the source."""
 
         def original(match: re.Match[str]) -> str:
-            return self.names.get(match.group(), match.group())
+            path = self.names.get(match.group(), match.group())
+            return match.group() if path.endswith("::" + match.group()) else path
 
         return re.sub(r"[^\W\d]\w*", original, text)

@@ -7,9 +7,12 @@ extensions naga knows, because a missing word here would be a false alarm.
 
 from __future__ import annotations
 
-KEYWORDS = frozenset(
-    ["alias", "break", "case", "const", "const_assert", "continue", "continuing", "default", "diagnostic", "discard", "else", "enable", "false", "fn", "for", "if", "let", "loop", "override", "requires", "return", "struct", "switch", "true", "var", "while"]
-)
+_KEYWORDS = """alias break case const const_assert continue continuing default diagnostic discard else enable
+    false fn for if let loop override requires return struct switch true var while"""
+KEYWORDS = frozenset(_KEYWORDS.split())
+
+# What WESL adds to them.
+WESL_KEYWORDS = frozenset(["as", "import", "package", "super", "self"])
 
 # Attributes whose arguments are words of the attribute, not expressions that name declarations.
 WORD_ATTRIBUTES = frozenset(["builtin", "interpolate", "diagnostic", "early_depth_test"])
@@ -22,13 +25,13 @@ _TYPES = """array atomic ptr sampler sampler_comparison binding_array
     texture_storage_1d texture_storage_2d texture_storage_2d_array texture_storage_3d
     texture_depth_2d texture_depth_2d_array texture_depth_cube texture_depth_cube_array
     texture_depth_multisampled_2d texture_external
-    acceleration_structure ray_query RayDesc RayIntersection"""
-_ENUMERANTS = """read write read_write atomic function private workgroup uniform storage push_constant immediate
-    handle task_payload
+    acceleration_structure ray_query RayDesc RayIntersection vertex_return"""
+_ENUMERANTS = """read write read_write atomic function private workgroup uniform storage push_constant
+    immediate handle task_payload
     r8unorm r8snorm r8uint r8sint r16unorm r16snorm r16uint r16sint r16float rg8unorm rg8snorm rg8uint rg8sint
     r32uint r32sint r32float rg16unorm rg16snorm rg16uint rg16sint rg16float rgba8unorm rgba8snorm rgba8uint
-    rgba8sint bgra8unorm rgb10a2uint rgb10a2unorm rg11b10float rg11b10ufloat r64uint rg32uint rg32sint rg32float
-    rgba16unorm rgba16snorm rgba16uint rgba16sint rgba16float rgba32uint rgba32sint rgba32float"""
+    rgba8sint bgra8unorm rgb10a2uint rgb10a2unorm rg11b10float rg11b10ufloat r64uint rg32uint rg32sint
+    rg32float rgba16unorm rgba16snorm rgba16uint rgba16sint rgba16float rgba32uint rgba32sint rgba32float"""
 _FUNCTIONS = """bitcast all any select arrayLength
     abs acos acosh asin asinh atan atanh atan2 ceil clamp cos cosh countLeadingZeros countOneBits
     countTrailingZeros cross degrees determinant distance dot dot4U8Packed dot4I8Packed exp exp2 extractBits
