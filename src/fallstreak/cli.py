@@ -39,6 +39,7 @@ change. fallstreak COMMAND --help tells more.
 
 def _later(name: str, summary: str, examples: str) -> None:
     """Register ``commands/NAME.py``'s function NAME without importing it."""
+    summary = "\n\n".join(" ".join(paragraph.split()) for paragraph in summary.split("\n\n"))
     lines = "".join(f"    fallstreak {name} {line.strip()}\n" for line in examples.strip().splitlines())
     epilogue = f"Examples:\n{lines}" if lines else ""
     app.command(f"fallstreak.commands.{name}:{name}", name=name, help=summary, help_epilogue=epilogue)
@@ -46,11 +47,15 @@ def _later(name: str, summary: str, examples: str) -> None:
 
 _later(
     "render",
-    "Render a scene to a picture, to arrays or to a sequence.",
+    """Render a scene to a picture, to arrays or to a sequence.
+
+    A sequence is numbered: dawn.0000.png, or where #### stands in the name. Ctrl-C stops it after the frame
+    in hand; the same command goes on from there, and its files are byte for byte those of an uninterrupted
+    run.""",
     """jacksboro -o evening.png
     jacksboro -o evening.exr --size 1920x1080 --quality ultra
     jacksboro -o frame.png --frames 0:240 --fps 24
-    my-scene.toml -o out.png --set film.exposure=fixed --set film.ev100=12""",
+    my-scene.toml --set film.exposure=fixed --set film.ev100=12""",
 )
 _later("scenes", "List the shipped scenes: what is to be seen, where and when.", "")
 _later(

@@ -24,6 +24,8 @@ def check(
         An override, KEY=VALUE, to be checked along with the scenes; may be given several times.
     """
     from fallstreak import UserError, load
+    from fallstreak.terrain.elevation import read_elevation
+    from fallstreak.terrain.model import shipped_path
 
     if not scenes:
         raise UserError("nothing to check: name a scene file, such as fallstreak check my-scene.toml")
@@ -31,8 +33,9 @@ def check(
     for scene in scenes:
         try:
             world = load(scene, overrides)
-            if world.terrain.source != "none":
-                world.terrain.height(world.camera.east, world.camera.north)
+            if world.terrain.source == "file":
+                # Building the ground takes seconds; whether its file can be read is known at once.
+                read_elevation(world.terrain.path or shipped_path(world.terrain.file))
         except UserError as error:
             bad += 1
             print("".join(c if c.isprintable() else "·" for c in str(error)), file=sys.stderr)

@@ -66,7 +66,8 @@ def table(model: type[BaseModel], doc: str) -> Any:
 class Section(BaseModel):
     """A frozen table of the world that knows no other keys than its own."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # One build for the whole world, at its first use, instead of one per table at import.
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     def __eq__(self, other: object) -> bool:
         # Where a world came from (private attributes) does not make it another world.
