@@ -1,11 +1,12 @@
 """Arrays for numpy: one entry per layer, and the metadata as JSON text.
 
 `numpy.load(path)` gives `hdr`, `depth`, `normal`, `albedo`, `motion`, `ldr` (what was rendered of these) and
-`metadata`; no pickles. Bytes are the same on every run: numpy dates the entries of its archives 1980.
+`metadata`; no pickles.
 """
 
 from __future__ import annotations
 
+import io
 import os
 import zipfile
 import zlib
@@ -37,8 +38,14 @@ def write_npz(path: str | os.PathLike, layers: Mapping[str, np.ndarray], metadat
     from fallstreak.output.metadata import canonical
 
     entries = {**layers, "metadata": np.array(canonical(metadata))}
-    with replacing(path) as beside, open(beside, "wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **entries)
+    with replacing(path) as beside, zipfile.ZipFile(beside, "w") as archive:
+        for name, pixels in entries.items():
+            data = io.BytesIO()
+            np.lib.format.write_array(data, np.asarray(pixels), allow_pickle=False)
+            # Dated 1980, like numpy's own: the same bytes on every run. Level 1 takes half the time of
+            # numpy.savez_compressed, for 1 % more bytes.
+            entry = zipfile.ZipInfo(f"{name}.npy")
+            archive.writestr(entry, data.getbuffer(), zipfile.ZIP_DEFLATED, compresslevel=1)
 
 
 def read_npz_text(path: str | os.PathLike) -> str | None:
