@@ -95,7 +95,8 @@ class Readback:
 
         def finish(data: memoryview) -> np.ndarray:
             rows = np.frombuffer(data, np.uint8, total).reshape(d, h, pitch)[:, :, :row]
-            values = np.ascontiguousarray(rows).view(kind).reshape(d, h, w, count)
+            # always a copy: with whole 256-byte rows a view would outlive the mapping
+            values = np.array(rows, order="C").view(kind).reshape(d, h, w, count)
             if count == 1:
                 values = values[..., 0]
             return values[0] if d == 1 else values
