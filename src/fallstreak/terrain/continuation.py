@@ -1,0 +1,192 @@
+"""Land beyond the edge of an elevation model, made from the model itself.
+
+Tiling and blending by example (Heitz & Neyret 2018, "High-performance by-example noise using a histogram-
+preserving blending operator"): the plane is cut into triangles; every lattice point carries a piece of the
+model, turned by a random angle; in a triangle three pieces are mixed in a domain where heights are normally
+distributed, with weights scaled so that the variance stays, and mapped back. The histogram of heights, the
+relief and the roughness continue; there is no edge, no mirror, no period. Differences from the paper: weights
+are sharpened, because superposed valleys are no valleys; a lattice point picks among several pieces the one
+that suits the region, so that ranges continue from the edge and fade into ranges of their own; the model
+itself joins as one more piece with weight 1 inside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..noise.gradient import gradient_noise, hash_lattice
+from .elevation import ElevationGrid
+from .spline import blur, coefficients, evaluate
+
+_SHARPNESS = 3.0  # exponent of the triangle weights: 1 mixes everywhere, ∞ cuts
+_CANDIDATES = 12  # pieces that a lattice point chooses from
+_REGION = 45e3  # m, size of the invented ranges and lowlands
+_TURN = np.radians(35.0)  # pieces turn by at most this: ranges keep the grain of the land
+_MEMORY = 30e3  # m, how far the model's edge still rules what lies beyond
+
+
+class FileLand:
+    """Heights everywhere around a file: the file inside, its like outside.
+
+    Parameters
+    ----------
+    grid : ElevationGrid
+    place : (latitude, longitude) of the anchor, degrees
+    radius : planet radius, m
+    surroundings : "continue", "flat" or "sea"
+    seed : int
+    exaggeration : heights are multiplied by it
+    """
+
+    def __init__(
+        self,
+        grid: ElevationGrid,
+        place,
+        radius: float,
+        surroundings: str,
+        seed: int,
+        exaggeration: float = 1.0,
+    ):
+        self.grid, self.place, self.radius, self.seed = grid, place, radius, seed
+        self.surroundings = surroundings
+        heights = grid.heights.astype(np.float64) * exaggeration
+        rows, columns = heights.shape
+        self.native = grid.spacing(place, radius)
+        e, n = grid.map_position(
+            np.array([0.0, columns - 1, 0.0]), np.array([0.0, 0.0, rows - 1]), place, radius
+        )
+        # metres per column and row, and the turn of the grid against east-north, at the first corner
+        self.pitch = (
+            np.hypot(e[1] - e[0], n[1] - n[0]) / (columns - 1),
+            np.hypot(e[2] - e[0], n[2] - n[0]) / (rows - 1),
+        )
+        self.size = min(self.pitch[0] * columns, self.pitch[1] * rows)
+        self.join = 0.08 * self.size
+        self.mean = float(heights.mean())
+        edge = np.concatenate([heights[0], heights[-1], heights[:, 0], heights[:, -1]])
+        self.outside = {"continue": self.mean, "flat": float(edge.mean()), "sea": 0.0}[surroundings]
+        self.levels = [heights]
+        while min(self.levels[-1].shape) >= 16:
+            h = self.levels[-1][: self.levels[-1].shape[0] // 2 * 2, : self.levels[-1].shape[1] // 2 * 2]
+            self.levels.append(h.reshape(h.shape[0] // 2, 2, h.shape[1] // 2, 2).mean((1, 3)))
+        self.splines = [coefficients(level) for level in self.levels]
+        if surroundings == "continue":
+            self._prepare(heights)
+
+    def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
+        """Heights (m) on the grid of two ascending, evenly spaced axes, (len(north), len(east)) float64."""
+        spacing = float(east[1] - east[0])
+        level = int(
+            np.clip(np.floor(np.log2(max(spacing / self.native, 1e-9)) + 0.3), 0, len(self.levels) - 1)
+        )
+        e, n = np.meshgrid(east, north)
+        column, row = self.grid.pixels(e, n, self.place, self.radius)
+        inside = self._inside_weight(column, row)
+        out = np.empty(e.shape)
+        known, open_land = inside > 0.0, inside < 1.0
+        file = self._file(column[known], row[known], level)
+        if self.surroundings != "continue":
+            out[...] = self.outside
+            out[known] += inside[known] * (file - self.outside)
+            return out
+        out[known] = file
+        g, square = self._invent(e[open_land], n[open_land], level)
+        w = inside[open_land]
+        own = np.zeros_like(w)
+        own[w > 0.0] = self._normal(out[open_land & known])
+        mixed = (w * own + (1.0 - w) * g) / np.sqrt(w * w + (1.0 - w) ** 2 * square)
+        out[open_land] = np.interp(mixed, self._scores, self._quantiles)
+        return out
+
+    def _inside_weight(self, column, row):
+        rows, columns = self.levels[0].shape
+        margin = np.minimum(
+            np.minimum(column, columns - 1 - column) * self.pitch[0],
+            np.minimum(row, rows - 1 - row) * self.pitch[1],
+        )
+        t = np.clip(margin / self.join, 0.0, 1.0)
+        return t * t * (3.0 - 2.0 * t)
+
+    def _file(self, column, row, level):
+        scale = 0.5**level
+        return evaluate(self.splines[level], (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
+
+    # ---- the invented part -----------------------------------------------------------------------------------
+
+    def _prepare(self, heights: np.ndarray) -> None:
+        probability = (np.arange(1024) + 0.5) / 1024
+        self._quantiles = np.quantile(heights, probability)
+        # strictly increasing, so that a plain (all one height) can be mapped there and back
+        self._quantiles += np.arange(1024) * 1e-6
+        x = np.linspace(-6.0, 6.0, 24001)
+        cumulative = np.cumsum(np.exp(-0.5 * x * x))
+        self._scores = np.interp(probability, cumulative / cumulative[-1], x)
+        normal = self._normal(heights)
+        self._normal_levels = [coefficients(self._normal(level)) for level in self.levels]
+        self.edge = 0.24 * self.size  # of the triangles
+        self._region = blur(normal, 0.5 * self.edge / self.native)
+        self._region_spread = max(float(self._region.std()), 1e-3)
+        self._pieces: dict[tuple[int, int], tuple[float, float, float, float]] = {}
+
+    def _normal(self, heights):
+        return np.interp(heights, self._quantiles, self._scores)
+
+    def _invent(self, east, north, level):
+        """Sum of the three pieces in the normal domain, and the sum of the squared weights."""
+        # the lattice of triangles in skewed coordinates
+        v = north / (self.edge * np.sqrt(0.75))
+        u = east / self.edge - 0.5 * v
+        iu, iv = np.floor(u), np.floor(v)
+        fu, fv = u - iu, v - iv
+        upper = fu + fv > 1.0
+        corners = (
+            (iu + upper, iv + upper, np.where(upper, fu + fv - 1.0, 1.0 - fu - fv)),
+            (iu + 1.0, iv, np.where(upper, 1.0 - fv, fu)),
+            (iu, iv + 1.0, np.where(upper, 1.0 - fu, fv)),
+        )
+        raw = [w**_SHARPNESS for _, _, w in corners]
+        total = sum(raw)
+        value, square = np.zeros(east.shape), np.zeros(east.shape)
+        spline = self._normal_levels[level]
+        scale = 0.5**level
+        low = int(min(c[0].min() for c in corners)), int(min(c[1].min() for c in corners))
+        high = int(max(c[0].max() for c in corners)), int(max(c[1].max() for c in corners))
+        table = self._piece_table(low, high)
+        for (ku, kv, _), w in zip(corners, raw, strict=True):
+            w = w / total
+            piece = table[(kv - low[1]).astype(int), (ku - low[0]).astype(int)]
+            de = east - (ku + 0.5 * kv) * self.edge
+            dn = north - kv * self.edge * np.sqrt(0.75)
+            column = piece[..., 0] + (piece[..., 2] * de - piece[..., 3] * dn) / self.pitch[0]
+            row = piece[..., 1] + (piece[..., 3] * de + piece[..., 2] * dn) / self.pitch[1]
+            value += w * evaluate(spline, (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
+            square += w * w
+        return value, square
+
+    def _piece_table(self, low, high) -> np.ndarray:
+        """For every lattice point: column and row of its piece's centre in the model, cosine and sine of its turn."""
+        ku, kv = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
+        rows, columns = self.levels[0].shape
+        east = (ku + 0.5 * kv) * self.edge
+        north = kv * self.edge * np.sqrt(0.75)
+        # what the region should be like: the model's nearest edge, fading into noise
+        column, row = self.grid.pixels(east, north, self.place, self.radius)
+        c, r = np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)
+        outside = np.hypot((column - c) * self.pitch[0], (row - r) * self.pitch[1])
+        memory = np.exp(-outside / _MEMORY)
+        noise = 4.0 * gradient_noise(east / _REGION, north / _REGION, self.seed + 17)[0] * self._region_spread
+        wanted = memory * self._region[r.astype(int), c.astype(int)] + np.sqrt(1.0 - memory**2) * noise
+        margin_c = min(self.edge / self.pitch[0], 0.5 * columns - 1.0)
+        margin_r = min(self.edge / self.pitch[1], 0.5 * rows - 1.0)
+        best = np.full(ku.shape, np.inf)
+        table = np.zeros((*ku.shape, 4))
+        for candidate in range(_CANDIDATES):
+            h = hash_lattice(ku, kv, self.seed * 31 + candidate)
+            c = margin_c + (h & np.uint32(0xFFFF)) / 65536.0 * (columns - 1 - 2.0 * margin_c)
+            r = margin_r + (h >> np.uint32(16)) / 65536.0 * (rows - 1 - 2.0 * margin_r)
+            misfit = np.abs(self._region[r.astype(int), c.astype(int)] - wanted)
+            angle = (hash_lattice(ku, kv, self.seed * 31 + 1000 + candidate) / 2.0**32 - 0.5) * 2.0 * _TURN
+            better = misfit < best
+            best = np.where(better, misfit, best)
+            table[better] = np.stack([c, r, np.cos(angle), np.sin(angle)], -1)[better]
+        return table

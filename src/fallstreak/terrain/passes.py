@@ -1,0 +1,206 @@
+"""The ground's GPU passes: selection of nodes, the mesh into the G-buffer, the globe beyond it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..gpu import Device, FrameGraph, Struct
+from ..world.state import FrameState, map_coordinates
+from .model import COARSEST, LEAF_DEPTH, SEED, TerrainModel, first_octave, terrain_model
+from .pyramid import SIZE
+
+TERRAIN_FRAME = Struct(
+    "TerrainFrame",
+    [
+        ("camera_map", "vec2f", "m, camera on the map, east and north of the anchor"),
+        ("camera_local", "vec2f", "m, camera_map − tile, exact"),
+        ("camera_fraction", "vec2f", "m, from the corner of the camera's leaf cell to the camera"),
+        ("camera_cell", "vec2i", "leaf cell under the camera"),
+        ("tile", "vec2i", "m, whole multiple of 4096 near the camera: the origin of noise"),
+        ("camera_height", "f32", "m above sea level"),
+        ("camera_above", "f32", "m above the ground below"),
+        ("extent", "f32", "m, half the width of the map"),
+        ("leaf", "f32", "m, width of the smallest node"),
+        ("range", "f32", "a node is drawn up to this many of its own widths away"),
+        ("spacing", "f32", "m between texels of level 0"),
+        ("levels", "f32", "number of levels"),
+        ("lowest", "f32", "m, lowest ground anywhere"),
+        ("bump_bound", "f32", "m, largest bump"),
+        ("globe_height", "f32", "m above sea level of the sphere beyond the terrain"),
+        ("map_cosine", "f32", "cosine of the angle of the terrain's round map; 2 where there is none"),
+        ("land_near", "f32", "1 where the planet near the anchor must be land"),
+        ("depth", "u32", "quadtree level of the leaves"),
+        ("indices", "u32", "of one node's mesh"),
+        ("first_octave", "i32", "power of two of the coarsest bump's wavelength, m"),
+        ("seed", "u32", "of all noise here"),
+    ],
+)
+
+MAX_NODES = 2048
+RINGS, SECTORS = 64, 192
+_SURFACES = {"ocean": 0, "land": 1, "mars": 2}
+_COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
+_FARTHEST = (
+    0.5  # rad from the anchor: beyond it placement.wesl's series end, and so does the view of the terrain
+)
+_TILE = 4096.0
+
+
+class Terrain:
+    """Declares the ground's resources and passes in a graph.
+
+    Parameters
+    ----------
+    device : Device
+    graph : FrameGraph
+        Must already hold the G-buffer.
+    world : World
+    quality : Quality
+        ``terrain_error_px`` and ``terrain_grid``.
+    size : (width, height)
+    """
+
+    def __init__(self, device: Device, graph: FrameGraph, world: Any, quality: Any, size: tuple[int, int]):
+        self.model: TerrainModel = terrain_model(world)
+        self._grid = int(quality.terrain_grid)
+        # Twice to four times the error is what one edge of the mesh may measure on the screen.
+        self._edge_px = 4.0 * float(quality.terrain_error_px)
+        self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
+        self._drawn = False
+        self._seed = (world.seed + SEED) & 0xFFFFFFFF
+        surface = (
+            "mars"
+            if world.terrain.material == "mars" and world.planet.surface != "ocean"
+            else world.planet.surface
+        )
+        if self.model.pyramid is not None:
+            self._add_ground(graph, world)
+        self._add_globe(graph, _SURFACES[surface])
+
+    def _add_ground(self, graph: FrameGraph, world: Any) -> None:
+        pyramid = self.model.pyramid
+        assert pyramid is not None
+        self._lowest = float(pyramid.bounds[0][0, 0, 0])
+        graph.texture_data("terrain.heights", pyramid.coefficients, "r32float", dimension="2d-array")
+        graph.texture_data("terrain.surface", pyramid.surface, "rgba16float", dimension="2d-array")
+        graph.buffer_data("terrain.bounds", np.concatenate([b.reshape(-1, 2) for b in pyramid.bounds]))
+        graph.buffer_data("terrain.index", grid_indices(self._grid), usage=("index",))
+        graph.buffer("terrain.nodes", 8 * MAX_NODES)
+        graph.buffer("terrain.draws", 20, usage=("indirect",))
+        graph.compute(
+            "terrain.selection",
+            "package::terrain::selection",
+            bind={
+                "view": "view",
+                "terrain": "terrain.frame",
+                "bounds": "terrain.bounds",
+                "nodes": "terrain.nodes",
+                "draws": "terrain.draws",
+            },
+            groups=(1, 1, 1),
+            structs=[TERRAIN_FRAME],
+        )
+        graph.render(
+            "terrain.gbuffer",
+            "package::terrain::draw",
+            color=_COLOR,
+            depth="gbuffer.depth",
+            bind={
+                "view": "view",
+                "terrain": "terrain.frame",
+                "heights": "terrain.heights",
+                "surface": "terrain.surface",
+                "linear": "sampler:linear-clamp",
+                "nodes": "terrain.nodes",
+            },
+            indirect="terrain.draws",
+            index="terrain.index",
+            indices=6 * self._grid**2,
+            structs=[TERRAIN_FRAME],
+            flags={"MARS": world.terrain.material == "mars", "CROWNS": True, "PARCELS": True},
+            constants={"GRID": self._grid, "NORMAL_FINEST": -2},
+        )
+
+    def _add_globe(self, graph: FrameGraph, surface: int) -> None:
+        graph.render(
+            "terrain.globe",
+            "package::terrain::globe",
+            color=_COLOR,
+            depth="gbuffer.depth",
+            bind={"view": "view", "terrain": "terrain.frame"},
+            vertices=6 * RINGS * SECTORS,
+            structs=[TERRAIN_FRAME],
+            constants={"RINGS": RINGS, "SECTORS": SECTORS, "SURFACE_KIND": surface},
+            order=1,
+        )
+
+    def update(self, state: FrameState) -> None:
+        """Set the uniforms of a frame."""
+        self._frame.set(**self.frame_values(state))
+
+    def frame_values(self, state: FrameState) -> dict[str, Any]:
+        """The fields of `TerrainFrame` for a camera; also what the CPU twin of the selection starts from."""
+        radius = state.planet_radius
+        east, north = map_coordinates(state.camera.position, radius)
+        height = state.altitude
+        pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
+        pyramid = self.model.pyramid
+        values: dict[str, Any] = {
+            "seed": self._seed,
+            "camera_map": (east, north),
+            "camera_height": height,
+            "globe_height": 0.0,
+            "map_cosine": 2.0,
+            "land_near": 0.0,
+        }
+        if pyramid is None:
+            return values
+        extent = pyramid.extent
+        leaf = 2.0 * extent / 2**LEAF_DEPTH
+        cell = (int(np.floor((east + extent) / leaf)), int(np.floor((north + extent) / leaf)))
+        tile = (int(np.floor(east / _TILE) * _TILE), int(np.floor(north / _TILE) * _TILE))
+        values.update(
+            camera_local=(east - tile[0], north - tile[1]),
+            camera_fraction=(east + extent - cell[0] * leaf, north + extent - cell[1] * leaf),
+            camera_cell=cell,
+            tile=tile,
+            camera_above=max(height - nearest_height(pyramid, east, north), 0.0),
+            extent=extent,
+            leaf=leaf,
+            range=max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
+            spacing=pyramid.spacing,
+            levels=pyramid.levels,
+            lowest=self._lowest - BUMP_BOUND,
+            bump_bound=BUMP_BOUND,
+            globe_height=pyramid.outside,
+            map_cosine=np.cos(0.975 * extent / radius),
+            land_near=1.0,
+            depth=LEAF_DEPTH,
+            indices=6 * self._grid**2,
+            first_octave=first_octave(pyramid.spacing),
+        )
+        return values
+
+
+#: m: the sum of all octaves at the roughest, every one at its largest value
+BUMP_BOUND = 0.05 * 1.25 * 2.0 ** (COARSEST + 1)
+
+
+def nearest_height(pyramid: Any, east: float, north: float) -> float:
+    """Height of the texel of the finest level at a place, m: enough for the level of detail, in microseconds."""
+    for level in range(pyramid.levels):
+        spacing = pyramid.spacing * 2**level
+        i, j = int(north / spacing + SIZE / 2), int(east / spacing + SIZE / 2)
+        if 0 <= i < SIZE and 0 <= j < SIZE:
+            return float(pyramid.coefficients[level, i, j])
+    return pyramid.outside
+
+
+def grid_indices(grid: int) -> np.ndarray:
+    """Two triangles for each quad of a grid, all diagonals the same way so that the coarser grid is among them."""
+    i, j = np.meshgrid(np.arange(grid), np.arange(grid))
+    a = (j * (grid + 1) + i).ravel()
+    quads = np.stack([a, a + 1, a + grid + 2, a, a + grid + 2, a + grid + 1], 1)
+    return quads.astype(np.uint32).ravel()
