@@ -97,7 +97,7 @@ def test_constants_of_numpy():
         assert text in code
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), "text", None, (), {"a": 1}, (1.0, "a")])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 2**64, "text", None, (), {"a": 1}, (1.0, "a")])
 def test_constants_that_are_none(value):
     with pytest.raises(WeslError, match=r"^<constants>: the constant X is"):
         link_text(COMPUTE + "{}", virtual={"constants": {"X": value}})
@@ -154,6 +154,22 @@ def test_a_resolver_of_files(tmp_path):
     assert "const sky_air_K = 2.5;" in link("package::main", ["main"], resolve).code
     with pytest.raises(WeslError, match="did you mean 'package::sky::air'"):
         link("package::sky::aire", ["main"], resolve)
+
+
+def test_a_name_that_another_module_declares(tmp_path):
+    (tmp_path / "air.wesl").write_text("// fn thickness\n@must_use fn density() {}")
+    (tmp_path / "main.wesl").write_text(COMPUTE + "{ density(); }")
+    with pytest.raises(WeslError, match=r"package::air declares it: import package::air::density$"):
+        link("package::main", ["main"], package_resolver(tmp_path))
+    (tmp_path / "main.wesl").write_text(COMPUTE + "{ thickness(); }")
+    with pytest.raises(WeslError, match=r"'thickness' is not declared$"):
+        link("package::main", ["main"], package_resolver(tmp_path))
+
+
+def test_entry_points_may_share_a_binding_number():
+    text = "@group(0) @binding(0) var<uniform> a: f32; @group(0) @binding(0) var<uniform> b: f32;"
+    text += "@compute @workgroup_size(1) fn one() { _ = a; } @compute @workgroup_size(1) fn two() { _ = b; }"
+    assert set(link_text(text, None).bindings) == {"a", "b"}
 
 
 def test_an_edited_module_is_read_again():

@@ -101,6 +101,13 @@ WRONG: dict[str, tuple[str, tuple[int, int], str]] = {
         (1, 38),
         "whole number",
     ),
+    "two at one binding": (
+        "@group(0) @binding(1) var<uniform> a: f32;\n@group(0) @binding(1) var<uniform> b: f32;\n"
+        + COMPUTE
+        + "{ _ = a + b; }",
+        (2, 36),
+        "'b' and 'a' are both at @group(0) @binding(1) of the entry point 'main'",
+    ),
     "diagnostics that disagree": (
         "diagnostic(off, derivative_uniformity);\ndiagnostic(error, derivative_uniformity);\n"
         + COMPUTE

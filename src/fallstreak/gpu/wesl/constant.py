@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .lexer import NAME, NUMBER, Token
 
 if TYPE_CHECKING:
-    from .link import Item
+    from .program import Item
 
 _INTEGER = re.compile(r"(0[xX][0-9a-fA-F]+|0|[1-9][0-9]*)[iu]?")
 _LEVELS = (("|",), ("^",), ("&",), ("+", "-"), ("*", "/", "%"))

@@ -10,7 +10,7 @@ from .lexer import Token
 from .syntax import Declaration, Module, Path
 
 if TYPE_CHECKING:
-    from .link import Item
+    from .program import Item
 
 OWN: Path = ()  # stands for the declared name itself among the references
 

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 from .constant import evaluate
 from .emit import spell
-from .errors import WeslError
 from .lexer import Token
 
 if TYPE_CHECKING:
-    from .link import Item
+    from .program import Item, Program
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +57,7 @@ def binding_of(item: Item) -> Binding:
     tokens = declaration.tokens
     at = declaration.name_at + 1
     if tokens[at].text != ":":
-        raise _error(item, f"'{declaration.name}' needs a type")
+        raise item.error(f"'{declaration.name}' needs a type")
     space = _words_before(tokens, declaration.name_at)
     kind, access = _kind(item, at + 1, space)
     group, binding = _number(item, "group"), _number(item, "binding")
@@ -68,11 +67,45 @@ def binding_of(item: Item) -> Binding:
 def _number(item: Item, attribute: str) -> int:
     """Return the value of the @group or @binding of a variable."""
     if attribute not in item.declaration.attributes:
-        raise _error(item, f"'{item.declaration.name}' has no @{attribute}")
+        raise item.error(f"'{item.declaration.name}' has no @{attribute}")
     value = evaluate(item, item.declaration.attributes[attribute])
     if value is None or value < 0:
-        raise _error(item, f"the @{attribute} of '{item.declaration.name}' must be a whole number")
+        raise item.error(f"the @{attribute} of '{item.declaration.name}' must be a whole number")
     return value
+
+
+def bindings_of(program: Program) -> dict[str, Binding]:
+    """Describe all bindings by their own names; no entry point may use one slot twice."""
+    bindings: dict[str, Binding] = {}
+    slots: dict[tuple[int, int], list[Item]] = {}
+    for item in program.items:
+        if "binding" in item.declaration.attributes:
+            binding = binding_of(item)
+            own = item.declaration.name
+            bindings[own if own not in bindings else item.name] = binding
+            slots.setdefault((binding.group, binding.binding), []).append(item)
+    for (group, number), items in slots.items():
+        for head in program.heads if len(items) > 1 else ():
+            used = [item for item in items if id(item) in _reached(head)]
+            if len(used) > 1:
+                first, second = sorted(used, key=lambda item: item.declaration.tokens[0].line)[:2]
+                raise second.error(
+                    f"'{second.declaration.name}' and '{first.declaration.name}' are both at "
+                    f"@group({group}) @binding({number}) of the entry point '{head.name}'"
+                )
+    return bindings
+
+
+def _reached(head: Item) -> set[int]:
+    """Return the identities of all items that `head` needs."""
+    seen: set[int] = set()
+    todo = [head]
+    while todo:
+        item = todo.pop()
+        if id(item) not in seen:
+            seen.add(id(item))
+            todo += [target for target in item.targets.values() if target is not None]
+    return seen
 
 
 def entry_of(item: Item) -> EntryPoint:
@@ -120,7 +153,7 @@ def _kind(item: Item, at: int, space: list[str]) -> tuple[str, str]:
         return "sampler", "read"
     if word == "sampler_comparison":
         return "comparison_sampler", "read"
-    raise _error(item, f"'{item.declaration.name}' has the type {word}, which cannot be bound")
+    raise item.error(f"'{item.declaration.name}' has the type {word}, which cannot be bound")
 
 
 def _target(item: Item, at: int) -> Item | None:
@@ -141,8 +174,3 @@ def _split(tokens: list[Token]) -> list[list[Token]]:
         else:
             parts[-1].append(token)
     return [part for part in parts if part]
-
-
-def _error(item: Item, message: str) -> WeslError:
-    token = item.declaration.tokens[item.declaration.name_at]
-    return WeslError(message, item.module.filename, token.line, token.column)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path as FilePath
@@ -97,6 +98,18 @@ class Library:
             return ""
         return did_you_mean("::".join(path), ["package::" + name for name in names()])
 
+    def declaring(self, name: str) -> str:
+        """Return a hint if another module of the package, or a virtual one, declares `name`."""
+        declared = re.compile(
+            rf"^[^\n/]*\b(?:fn|struct|const|override|alias)\s+{re.escape(name)}\b", re.MULTILINE
+        )
+        texts = {"::".join(path): text for path, text in self.virtual.items()}
+        for module in getattr(self.resolve, "names", list)():
+            found = self.resolve(tuple(module.split("::")))
+            texts[f"package::{module}"] = found[0] if found else ""
+        homes = [module for module, text in texts.items() if declared.search(text)]
+        return f"; {homes[0]} declares it: import {homes[0]}::{name}" if homes else ""
+
 
 class package_resolver:
     """Finds modules as files: ``("sky", "air")`` is ``root/sky/air.wesl`` (or ``.wgsl``).
@@ -174,6 +187,8 @@ def _literal(package: str, key: str, value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
+        if not -(2**63) <= value < 2**63:
+            raise WeslError(f"the constant {key} is {value}; integers have 64 bits", f"<{package}>")
         return str(value)
     if isinstance(value, float):
         if not math.isfinite(value):

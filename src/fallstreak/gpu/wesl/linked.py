@@ -11,7 +11,7 @@ from .emit import walk, written
 from .interface import Binding, EntryPoint
 
 if TYPE_CHECKING:
-    from .link import Item
+    from .program import Item
 
 _HEADER = re.compile(r"^(?P<indent> *)┌─ (?P<label>.*):(?P<line>\d+):(?P<column>\d+)\s*$")
 _GUTTER = re.compile(r"^(?P<indent> *)(?P<line>\d+)(?P<rest> │.*)$")
@@ -79,7 +79,7 @@ class Linked:
         lines = message.strip().splitlines()
         place = self._place(lines)
         if place is None:
-            return message.strip()
+            return self._plain(message.strip())
         sentence = next((found.group(1) for found in map(_SENTENCE.search, lines) if found), "")
         reason = [line.strip()[2:] for line in lines if line.strip().startswith("= ")]
         body = self._excerpts(lines)
@@ -119,13 +119,18 @@ class Linked:
         result: list[str] = []
         numbers = [int(found["line"]) for text in lines[start:] if (found := _GUTTER.match(text))]
         width = max((len(str(self.locate(number)[1])) for number in numbers), default=1)
+        current = ""
         for text in lines[start:]:
             header, gutter = _HEADER.match(text), _GUTTER.match(text)
             if header:
-                filename, line, column = self.position(int(header["line"]), int(header["column"]))
-                result.append(f"{' ' * width} ┌─ {filename}:{line}:{column}")
+                current, line, column = self.position(int(header["line"]), int(header["column"]))
+                result.append(f"{' ' * width} ┌─ {current}:{line}:{column}")
             elif gutter:
-                result.append(f"{self.locate(int(gutter['line']))[1]:>{width}}{gutter['rest']}")
+                filename, line = self.locate(int(gutter["line"]))
+                if filename != current:
+                    current = filename
+                    result.append(f"{' ' * width} ├─ {filename}:{line}")
+                result.append(f"{line:>{width}}{gutter['rest']}")
             elif text.lstrip().startswith("│"):
                 result.append(f"{' ' * width} {text.lstrip()}")
             elif text.strip() and not any(text.strip() in earlier for earlier in result):
