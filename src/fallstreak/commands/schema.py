@@ -9,11 +9,17 @@ from typing import Annotated
 from cyclopts import Parameter
 
 
-def schema(*, output: Annotated[Path | None, Parameter(name=["--output", "-o"], negative="")] = None) -> None:
+def schema(
+    *,
+    markdown: Annotated[bool, Parameter(negative="")] = False,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], negative="")] = None,
+) -> None:
     """Print the JSON schema of scene files: every key with type, unit, range, default and a sentence.
 
     Parameters
     ----------
+    markdown
+        Print tables for people instead.
     output
         Write to this file instead of the terminal.
     """
@@ -21,8 +27,12 @@ def schema(*, output: Annotated[Path | None, Parameter(name=["--output", "-o"], 
 
     from fallstreak import UserError
     from fallstreak import schema as world_schema
+    from fallstreak.world.reference import reference
 
-    text = json.dumps(world_schema(), indent=2, ensure_ascii=False) + "\n"
+    if markdown:
+        text = reference()
+    else:
+        text = json.dumps(world_schema(), indent=2, ensure_ascii=False) + "\n"
     if output is None:
         print(text, end="")
         return
