@@ -12,6 +12,7 @@ from .air import AIR
 from .colour import temperature_colour
 from .ephemeris import Ephemeris, Heavens
 from .light import LIGHT, MAGNITUDE_ZERO_LUX, light_values
+from .moon import RAYED_CRATERS, SEAS, feature_records
 from .stars import star_records
 
 if TYPE_CHECKING:
@@ -59,17 +60,20 @@ class Celestial:
         self._dark = self._moon_up = True
         self._planet_colours: np.ndarray | None = None
 
-    def update(self, state: FrameState) -> Heavens:
-        """Set the light of a frame; returns where everything stands."""
-        heavens = self.ephemeris.at(state.utc, state.camera.position)
-        values = light_values(self._world, heavens, state.altitude)
+    def update(self, state: FrameState) -> dict[str, object]:
+        """Set the lights of a frame; returns the values of `sky.light`."""
+        return self.shine(self.ephemeris.at(state.utc, state.camera.position), state.altitude)
+
+    def shine(self, heavens: Heavens, altitude: float) -> dict[str, object]:
+        """Set the lights of a given sky, for a camera at an altitude (m)."""
+        values = light_values(self._world, heavens, altitude)
         self._light.set(**values)
         self._wanderers.set(spots=self._spots(heavens))
         self.heavens = heavens
         # Starlight is lost in the sky long before the sun is up; saves the draws of the day.
         self._dark = float(values["table_scale"]) > 1e-2  # type: ignore[arg-type]
         self._moon_up = float(values["moon_radius"]) > 0.0  # type: ignore[arg-type]
-        return heavens
+        return values
 
     def _spots(self, heavens: Heavens) -> np.ndarray:
         if self._planet_colours is None:
@@ -92,6 +96,21 @@ class Celestial:
         shared |= {"transmittance": "sky.transmittance", "linear": "sampler:linear-clamp"}
         onto = {"color": ["frame.hdr"], "depth": "gbuffer.depth", "depth_write": False, "blend": "add"}
         structs = [AIR, LIGHT, EXPOSURE]
+        if sky.moon and self._world.planet.preset != "mars":
+            graph.texture_data("sky.moon_features", feature_records(), "rgba32float", dimension="2d")
+            graph.render(
+                "sky.moon",
+                "package::sky::moon",
+                bind={**shared, "features": "sky.moon_features"},
+                constants={"SEAS": len(SEAS), "CRATERS": len(RAYED_CRATERS)},
+                structs=structs,
+                depth_compare="greater-equal",
+                topology="triangle-strip",
+                vertices=4,
+                instances=lambda: int(self._moon_up),
+                order=15,
+                **onto,
+            )
         if sky.stars:
             records = star_records(sky.star_magnitude_limit)
             count = len(records)

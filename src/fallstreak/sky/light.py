@@ -40,13 +40,13 @@ LIGHT = Struct(
         ("moon_direction", "vec3f", "unit, towards the moon, with refraction"),
         ("moon_radius", "f32", "rad, 0 if there is no moon"),
         ("moon_illuminance", "vec3f", "lux above the air"),
-        ("moon_earthshine", "f32", "sunlight on the moon by way of the Earth, over that from the sun itself"),
-        ("moon_luminance", "vec3f", "cd/m2 of a full disc of mean albedo above the air, see moon.wesl"),
         ("moon_shadow", "f32", "rad, radius of the Earth's umbra at the moon"),
-        ("moon_sun_direction", "vec3f", "unit, from the moon to the sun"),
+        ("moon_luminance", "vec3f", "cd/m2 of the face above the air before its shading, see moon.wesl"),
         ("moon_penumbra", "f32", "rad, radius of the Earth's penumbra at the moon"),
-        ("antisun_direction", "vec3f", "unit, axis of the Earth's shadow at the moon"),
+        ("moon_earthshine", "vec3f", "cd/m2 of the face by the Earth's light"),
         ("stars", "f32", "1 if stars and planets are drawn"),
+        ("moon_sun_direction", "vec3f", "unit, from the moon to the sun"),
+        ("antisun_direction", "vec3f", "unit, axis of the Earth's shadow at the moon"),
         ("airglow", "vec3f", "cd/m2 at the zenith above the air"),
         ("moon_from_world", "mat3x3f", "the moon's own axes: x middle of the near side, z north"),
         ("equatorial_from_world", "mat3x3f", "J2000 equatorial axes"),
@@ -58,9 +58,10 @@ MAGNITUDE_ZERO_LUX = 2.54e-6
 # mu^a with a of Hestroffer and Magnan (A&A 333 (1998) 338) at 680, 550 and 440 nm.
 _LIMB = np.array([0.397, 0.503, 0.652])
 
-MOON_COLOUR = SUN_ILLUMINANCE * (1.16, 0.98, 0.80)  # regolith's reflectance over the three bands
+MOON_COLOUR = SUN_ILLUMINANCE * (1.10, 0.985, 0.82)  # regolith's reflectance over the three bands
 MOON_COLOUR /= MOON_COLOUR @ LUMINANCE
 _AIRGLOW_TINT = np.array([0.93, 1.04, 0.78])  # the green and red oxygen lines over a broad continuum
+_EARTH_TINT = np.array([0.85, 1.02, 1.25])  # of oceans and clouds against the sun
 _UMBRA_GLOW = 4e-4  # sunlight bent into the middle of the Earth's shadow, of full sunlight
 _MOON_MEAN_DISTANCE = 3.844e8
 
@@ -98,7 +99,7 @@ def light_values(world: World, heavens: Heavens, altitude: float = 0.0) -> dict[
     sun_luminance = sun / (pi * sin(radius) ** 2) * (2 + limb) / 2
 
     moon_on = bool(sky.moon) and heavens.moon_radius > 0
-    moon_radius, moon_lux, face, covered, shine = 0.0, 0.0, 0.0, 0.0, 0.0
+    moon_radius = moon_lux = face = covered = shine = 0.0
     umbra, penumbra = earth_shadow(heavens.moon_distance, heavens.sun_distance)
     if moon_on:
         moon_radius = heavens.moon_radius
@@ -109,7 +110,8 @@ def light_values(world: World, heavens: Heavens, altitude: float = 0.0) -> dict[
         moon_lux *= eclipsed(
             _angle(heavens.antisun_direction, heavens.moon_direction), moon_radius, umbra, penumbra
         )
-        shine = earthshine(heavens.moon_phase, heavens.moon_distance)
+        full = moon_illuminance(0.0, heavens.moon_distance, distance) / (pi * sin(moon_radius) ** 2)
+        shine = full * earthshine(heavens.moon_phase, heavens.moon_distance)
     elevation = asin(float(heavens.sun_direction[2]))
     floor = moon_lux * max(float(heavens.moon_direction[2]), 0.05) + pi * sky.night_glow
     return {
@@ -124,7 +126,7 @@ def light_values(world: World, heavens: Heavens, altitude: float = 0.0) -> dict[
         "moon_direction": heavens.moon_direction,
         "moon_radius": moon_radius,
         "moon_illuminance": moon_lux * MOON_COLOUR,
-        "moon_earthshine": shine,
+        "moon_earthshine": shine * MOON_COLOUR * _EARTH_TINT,
         "moon_luminance": face * MOON_COLOUR,
         "moon_shadow": umbra,
         "moon_sun_direction": heavens.moon_sun_direction,
