@@ -156,6 +156,20 @@ def test_a_resolver_of_files(tmp_path):
         link("package::sky::aire", ["main"], resolve)
 
 
+def test_a_folder_is_a_module_too(tmp_path):
+    (tmp_path / "sky").mkdir()
+    (tmp_path / "sky" / "air.wesl").write_text("const K = 1.0;")
+    (tmp_path / "main.wesl").write_text("import package::sky;" + COMPUTE + "{ _ = sky::air::K; }")
+    assert "_ = sky_air_K;" in link("package::main", ["main"], package_resolver(tmp_path)).code
+
+
+def test_no_entry_point():
+    with pytest.raises(WeslError, match="no entry point is asked for"):
+        link_text(COMPUTE + "{}", [])
+    with pytest.raises(WeslError, match="package::main has no entry point"):
+        link_text("fn f() {}", None)
+
+
 def test_a_name_that_another_module_declares(tmp_path):
     (tmp_path / "air.wesl").write_text("// fn thickness\n@must_use fn density() {}")
     (tmp_path / "main.wesl").write_text(COMPUTE + "{ density(); }")

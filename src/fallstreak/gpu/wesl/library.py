@@ -91,6 +91,11 @@ class Library:
         """Return the words an absolute path may begin with."""
         return ["package", "super", *(path[0] for path in self.virtual)]
 
+    def folder(self, path: Path) -> bool:
+        """Tell whether modules lie below `path`: a folder counts as an empty module."""
+        below = "::".join(path[1:]) + "::"
+        return any(name.startswith(below) for name in getattr(self.resolve, "names", list)())
+
     def suggestion(self, path: Path) -> str:
         """Return a did-you-mean for a module that does not exist, if its neighbours can be listed."""
         names = getattr(self.resolve, "names", None)

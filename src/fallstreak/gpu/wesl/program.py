@@ -74,7 +74,7 @@ class Program:
             if not found:
                 raise WeslError(f"{'::'.join(root.path)} has no entry point", root.filename)
             return [self._item(root, declaration) for declaration in found]
-        heads = []
+        heads: list[Item] = []
         for name in entries:
             item = self._entry(root, name)
             if item is None:
@@ -85,6 +85,8 @@ class Program:
                 )
             if item not in heads:
                 heads.append(item)
+        if not heads:
+            raise WeslError("no entry point is asked for", root.filename)
         if len({item.declaration.name for item in heads}) < len(heads):
             raise WeslError("two entry points have one name", root.filename)
         return heads
@@ -171,7 +173,8 @@ class Program:
         if (path[0],) in self.library.virtual:
             return
         home = self.library.module(path[:-1])
-        if (home is None or path[-1] not in home.declarations) and self.library.module(path) is None:
+        declared = home is not None and path[-1] in home.declarations
+        if not declared and self.library.module(path) is None and not self.library.folder(path):
             token = imported.token
             raise WeslError(self._missing(path), module.filename, token.line, token.column)
 
