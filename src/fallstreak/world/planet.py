@@ -43,7 +43,7 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
     "mars": {
         "planet": {
             "radius": 3.3895e6,
-            "sun_distance_au": 1.524,
+            "sun_distance_au": 1.523679,
             "surface": "mars",
             "ground_albedo": (0.30, 0.17, 0.09),
         },

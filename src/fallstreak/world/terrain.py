@@ -27,7 +27,7 @@ class Terrain(Section):
         max_length=4096,
         doc="For source file: a .npz or .tif beside the scene, or the name of a shipped model (jacksboro).",
     )
-    material: Literal["temperate", "desert", "mars", "snow"] = choice(
+    material: Literal["temperate", "mars"] = choice(
         "temperate", doc="What grows and lies on the ground, by height and slope."
     )
     extent: Number = quantity(
