@@ -424,12 +424,15 @@ class FrameGraph:
                 if decl is not None and decl.lifetime != "data" and ref.name not in written:
                     raise GraphError(f"pass {p.name!r} reads {ref.name!r}, which no pass writes")
             if p.when is not None:
-                for ref in p.writes:
-                    decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
-                    if decl is not None and decl.lifetime != "persistent":
-                        raise GraphError(
-                            f"pass {p.name!r} runs only sometimes: declare {ref.name!r} persistent"
-                        )
+                self._check_sometimes(plan, p)
+
+    def _check_sometimes(self, plan: Schedule, p: PassDecl) -> None:
+        """A pass that is skipped in some frames may add to what another made, or keep what it made itself."""
+        for ref in p.writes:
+            decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
+            first = plan.passes[plan.first_writer[ref.name, ref.mip or 0]]
+            if decl is not None and decl.lifetime != "persistent" and first is p:
+                raise GraphError(f"pass {p.name!r} runs only sometimes: declare {ref.name!r} persistent")
 
     @property
     def compiled(self) -> Compiled:
