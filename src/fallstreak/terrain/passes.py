@@ -21,6 +21,7 @@ TERRAIN_FRAME = Struct(
         ("tile", "vec2i", "m, whole multiple of 4096 near the camera: the origin of noise"),
         ("camera_height", "f32", "m above sea level"),
         ("camera_above", "f32", "m above the ground below"),
+        ("pole", "vec3f", "the planet's north pole in world axes"),
         ("extent", "f32", "m, half the width of the map"),
         ("leaf", "f32", "m, width of the smallest node"),
         ("range", "f32", "a node is drawn up to this many of its own widths away"),
@@ -39,7 +40,7 @@ TERRAIN_FRAME = Struct(
 )
 
 MAX_NODES = 2048
-RINGS, SECTORS = 64, 192
+RINGS, SECTORS = 48, 128
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _FARTHEST = (
@@ -68,7 +69,9 @@ class Terrain:
         # Twice to four times the error is what one edge of the mesh may measure on the screen.
         self._edge_px = 4.0 * float(quality.terrain_error_px)
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
-        self._drawn = False
+        self._sees_globe = True
+        latitude = world.place.latitude_radians
+        self._pole = (0.0, float(np.cos(latitude)), float(np.sin(latitude)))
         self._seed = (world.seed + SEED) & 0xFFFFFFFF
         surface = (
             "mars"
@@ -76,10 +79,10 @@ class Terrain:
             else world.planet.surface
         )
         if self.model.pyramid is not None:
-            self._add_ground(graph, world)
+            self._add_ground(graph, world, quality, _SURFACES[surface])
         self._add_globe(graph, _SURFACES[surface])
 
-    def _add_ground(self, graph: FrameGraph, world: Any) -> None:
+    def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, surface: int) -> None:
         pyramid = self.model.pyramid
         assert pyramid is not None
         self._lowest = float(pyramid.bounds[0][0, 0, 0])
@@ -119,18 +122,30 @@ class Terrain:
             index="terrain.index",
             indices=6 * self._grid**2,
             structs=[TERRAIN_FRAME],
-            flags={"MARS": world.terrain.material == "mars", "CROWNS": True, "PARCELS": True},
-            constants={"GRID": self._grid, "NORMAL_FINEST": -2},
+            flags={
+                "MARS": world.terrain.material == "mars",
+                "CROWNS": True,
+                "PARCELS": True,
+                "LEAVES": quality.terrain_bump_finest < 0,
+            },
+            constants={
+                "GRID": self._grid,
+                "NORMAL_FINEST": quality.terrain_bump_finest,
+                "SURFACE_KIND": surface,
+            },
         )
 
     def _add_globe(self, graph: FrameGraph, surface: int) -> None:
+        graph.buffer_data("terrain.globe_index", grid_indices(SECTORS, RINGS), usage=("index",))
         graph.render(
             "terrain.globe",
             "package::terrain::globe",
             color=_COLOR,
             depth="gbuffer.depth",
             bind={"view": "view", "terrain": "terrain.frame"},
-            vertices=6 * RINGS * SECTORS,
+            index="terrain.globe_index",
+            indices=6 * RINGS * SECTORS,
+            instances=lambda: int(self._sees_globe),
             structs=[TERRAIN_FRAME],
             constants={"RINGS": RINGS, "SECTORS": SECTORS, "SURFACE_KIND": surface},
             order=1,
@@ -138,7 +153,17 @@ class Terrain:
 
     def update(self, state: FrameState) -> None:
         """Set the uniforms of a frame."""
-        self._frame.set(**self.frame_values(state))
+        values = self.frame_values(state)
+        self._sees_globe = values["map_cosine"] == 2.0 or self._sees_beyond(values, state.planet_radius)
+        self._frame.set(**values)
+
+    def _sees_beyond(self, values: dict[str, Any], radius: float) -> bool:
+        """Whether the horizon may lie outside of the terrain's round map."""
+        assert self.model.pyramid is not None
+        eye = max(values["camera_height"] - values["lowest"], 0.0)
+        top = max(values["globe_height"] - values["lowest"], 0.0)
+        sight = np.sqrt(eye * (2.0 * radius + eye)) + np.sqrt(2.0 * radius * top)
+        return bool(np.hypot(*values["camera_map"]) + sight > 0.97 * self.model.pyramid.extent)
 
     def frame_values(self, state: FrameState) -> dict[str, Any]:
         """The fields of `TerrainFrame` for a camera; also what the CPU twin of the selection starts from."""
@@ -154,6 +179,7 @@ class Terrain:
             "globe_height": 0.0,
             "map_cosine": 2.0,
             "land_near": 0.0,
+            "pole": self._pole,
         }
         if pyramid is None:
             return values
@@ -198,9 +224,10 @@ def nearest_height(pyramid: Any, east: float, north: float) -> float:
     return pyramid.outside
 
 
-def grid_indices(grid: int) -> np.ndarray:
-    """Two triangles for each quad of a grid, all diagonals the same way so that the coarser grid is among them."""
-    i, j = np.meshgrid(np.arange(grid), np.arange(grid))
-    a = (j * (grid + 1) + i).ravel()
-    quads = np.stack([a, a + 1, a + grid + 2, a, a + grid + 2, a + grid + 1], 1)
+def grid_indices(columns: int, rows: int | None = None) -> np.ndarray:
+    """Two triangles per quad of a grid, all diagonals one way so that the coarser grid's are among them."""
+    rows = columns if rows is None else rows
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
+    a = (j * (columns + 1) + i).ravel()
+    quads = np.stack([a, a + 1, a + columns + 2, a, a + columns + 2, a + columns + 1], 1)
     return quads.astype(np.uint32).ravel()

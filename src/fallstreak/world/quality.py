@@ -20,6 +20,7 @@ class Quality:
     # terrain
     terrain_error_px: float = 1.5  # greatest error of a node's shape on the screen
     terrain_grid: int = 32  # quads along a node's side
+    terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
     # frame
     bloom_levels: int = 6
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -38,10 +39,11 @@ QUALITY: dict[str, Quality] = {
         transmittance_size=(128, 32),
         terrain_error_px=4.0,
         terrain_grid=16,
+        terrain_bump_finest=0,
         bloom_levels=4,
         default_samples=1,
     ),
-    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, bloom_levels=5),
+    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1, bloom_levels=5),
     "high": _HIGH,
     "ultra": replace(
         _HIGH,
@@ -50,6 +52,7 @@ QUALITY: dict[str, Quality] = {
         sky_view_steps=40,
         aerial_size=(48, 48, 48),
         terrain_error_px=0.8,
+        terrain_bump_finest=-3,
         bloom_levels=7,
         default_samples=32,
     ),
