@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from .errors import WorldError, shorten
 from .trees import Tree, at, holds
 
-Path = tuple[str | int, ...]
+Key = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def explain(
     return WorldError(f"{origin(path, layers)}{problem}{more}")
 
 
-def dotted(path: Path) -> str:
+def dotted(path: Key) -> str:
     """("camera", "keyframes", 2, "fov") as camera.keyframes[2].fov."""
     text = ""
     for part in path:
@@ -73,7 +73,7 @@ def dotted(path: Path) -> str:
     return text or "the scene"
 
 
-def origin(path: Path, layers: list[Layer] | None) -> str:
+def origin(path: Key, layers: list[Layer] | None) -> str:
     """Which file and line, or which override, gave the value: "scene.toml, line 4: "."""
     for end in range(len(path), 0, -1):
         for layer in reversed(layers or []):
@@ -83,32 +83,36 @@ def origin(path: Path, layers: list[Layer] | None) -> str:
     return f"{layers[-1].label}: " if layers else ""
 
 
-def find_line(text: str, path: Path) -> int | None:
-    """The line of a TOML text where a key is set, by its table header and name; None when it is not plain."""
-    names = [str(part) for part in path if isinstance(part, str)]
-    indices = [part for part in path if isinstance(part, int)]
-    here: list[str] = []
-    seen = -1
-    best: int | None = None
+def find_line(text: str, path: Key) -> int | None:
+    """The line of a TOML text where a key is set, or the nearest table around it; None when neither is plain.
+
+    A search by table header and name, without regular expressions, which a hostile line could stall.
+    """
+    names = [part for part in path if isinstance(part, str)]
+    index = next((part for part in path if isinstance(part, int)), None)
+    header: list[str] = []
+    elements = -1  # how many [[headers]] of the wanted array have gone by
+    nearest: int | None = None
     for number, line in enumerate(text.splitlines(), start=1):
-        header = re.match(r"\s*(\[\[?)\s*([\w.\-\" ]+?)\s*\]\]?\s*(#|$)", line)
-        if header:
-            here = [part.strip(' "') for part in header[2].split(".")]
-            if header[1] == "[[" and here == names[: len(here)]:
-                seen += 1
-            if here == names and (not indices or seen == indices[0]):
-                return number
+        line = line.strip()
+        if line.startswith("[") and "]" in line and "=" not in line:
+            header = _parts(line.lstrip("[").partition("]")[0])
+            if line.startswith("[[") and header == names[: len(header)]:
+                elements += 1
+            full = header
+        else:
+            full = header + _parts(line.partition("=")[0]) if "=" in line else []
+        if not full or (index is not None and elements not in (-1, index)):
             continue
-        key = re.match(r"\s*([\w.\-\"]+)\s*=", line)
-        if key:
-            full = here + [part.strip('"') for part in key[1].split(".")]
-            if indices and len(here) > 1 and seen not in (-1, indices[0]):
-                continue
-            if full == names:
-                return number
-            if full == names[: len(full)]:
-                best = number
-    return best
+        if full == names:
+            return number
+        if full == names[: len(full)]:
+            nearest = number
+    return nearest
+
+
+def _parts(key: str) -> list[str]:
+    return [part.strip(" \t\"'") for part in key.split(".")]
 
 
 def submodel(annotation: Any) -> type[BaseModel] | None:
@@ -122,7 +126,7 @@ def submodel(annotation: Any) -> type[BaseModel] | None:
     return None
 
 
-def model_at(model: type[BaseModel], path: Path) -> type[BaseModel] | None:
+def model_at(model: type[BaseModel], path: Key) -> type[BaseModel] | None:
     """The model of the table at a path."""
     found: type[BaseModel] | None = model
     for part in path:
@@ -133,14 +137,14 @@ def model_at(model: type[BaseModel], path: Path) -> type[BaseModel] | None:
     return found
 
 
-def field_at(model: type[BaseModel], path: Path) -> FieldInfo | None:
+def field_at(model: type[BaseModel], path: Key) -> FieldInfo | None:
     """The declaration of the field at a path."""
     names = tuple(part for part in path if isinstance(part, str))
     parent = model_at(model, names[:-1]) if names else None
     return parent.model_fields.get(names[-1]) if parent else None
 
 
-def allowed(info: FieldInfo | None, model: type[BaseModel], path: Path) -> str:
+def allowed(info: FieldInfo | None, model: type[BaseModel], path: Key) -> str:
     """What a field takes, in words: "a number from 0 to 100 deg"."""
     from .describe import describe_field
 
@@ -163,7 +167,7 @@ def leaves(model: type[BaseModel], prefix: str = "") -> dict[str, str]:
     return found
 
 
-def suggestion(model: type[BaseModel], path: Path) -> str:
+def suggestion(model: type[BaseModel], path: Key) -> str:
     """ "; did you mean …?" or the keys there are."""
     name = str(path[-1])[:80]
     parent = model_at(model, path[:-1])

@@ -92,12 +92,16 @@ def find(scene: str | Path) -> tuple[Path, str]:
     known = scene_names()
     if name in known:
         return SCENES / f"{name}.toml", f"{name} (shipped)"
-    hint = get_close_matches(name, known, n=1, cutoff=0.5)
-    also = f", or ./{name} for the file" if os.path.exists(name) and name else ""
+    also = f", or write ./{name}" if name and os.path.exists(name) else ""
     raise WorldError(
-        f"there is no scene {shorten(name)}{f'; did you mean {hint[0]}?' if hint else ':'} "
-        f"{'S' if hint else 's'}hipped are {', '.join(known)}; a file's name ends in .toml{also}"
+        f"there is no scene {shorten(name)}{_meant(name)}: shipped are {', '.join(known)}, "
+        f"and a file's name ends in .toml{also}"
     )
+
+
+def _meant(name: str) -> str:
+    close = get_close_matches(name, scene_names(), n=1, cutoff=0.5)
+    return f" (did you mean {close[0]}?)" if close else ""
 
 
 def with_bases(layer: Layer, path: Path | None) -> list[Layer]:
@@ -119,14 +123,9 @@ def with_bases(layer: Layer, path: Path | None) -> list[Layer]:
             if not is_file(path):
                 raise WorldError(f"{top.label}: extends = {shorten(base)}, but there is no such file")
         else:
-            hint = get_close_matches(base, scene_names(), n=1, cutoff=0.5)
             raise WorldError(
-                f"{top.label}: extends = {shorten(base)} is not a shipped scene"
-                + (
-                    f"; did you mean {hint[0]}?"
-                    if hint
-                    else f" ({', '.join(scene_names())}), nor a path to a .toml"
-                )
+                f"{top.label}: extends = {shorten(base)} is no shipped scene{_meant(base)}: "
+                f"allowed are {', '.join(scene_names())} and paths that end in .toml"
             )
         resolved = path.resolve()
         if resolved in seen:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import tomllib
 from pathlib import Path
@@ -14,7 +15,8 @@ from .trees import Tree, plain
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4000
-"""tomllib takes time quadratic in the parts of a dotted key: one long line could stall it for minutes."""
+MAX_DOTS = 100
+"""tomllib takes time quadratic in the parts of a dotted key: a few of those could stall it for minutes."""
 
 
 def read_layer(path: Path, label: str | None = None) -> Layer:
@@ -56,6 +58,8 @@ def parse_layer(text: str, label: str, folder: Path | None) -> Layer:
             raise WorldError(
                 f"{label}, line {number}: {len(line):,} characters are too many, allowed are {MAX_LINE:,}"
             )
+        if line.count(".") > MAX_DOTS and max(part.count(".") for part in re.split("[={,]", line)) > MAX_DOTS:
+            raise WorldError(f"{label}, line {number}: a key or value has more than {MAX_DOTS} dots")
     try:
         tree = tomllib.loads(text)
         tree = plain(tree)
@@ -73,12 +77,10 @@ def parse_layer(text: str, label: str, folder: Path | None) -> Layer:
 
 
 def _lower(message: str) -> str:
-    # tomllib says "(at line 3, column 5)"; keep that, and cut what it quotes from a hostile file.
+    """tomllib's message in the middle of a sentence, without what it quotes from a hostile file at length."""
     message = "".join(c if c.isprintable() else "·" for c in message)
-    head, _, place = message.rpartition(" (at ")
-    head = head or message
-    head = head if len(head) < 100 else head[:99] + "…"
-    return (head[:1].lower() + head[1:]) + (f" (at {place}" if _ else "")
+    reason, at, place = message.partition(" (at ")  # "(at line 3, column 5)"
+    return reason[:1].lower() + reason[1:99] + at + place[:60]
 
 
 def _confine(tree: Tree, label: str, folder: Path | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -139,4 +140,4 @@ def absolute(tree: Tree) -> None:
     terrain = tree.get("terrain")
     file = terrain.get("file") if isinstance(terrain, dict) else None
     if isinstance(terrain, dict) and isinstance(file, str) and is_path(file) and "\0" not in file:
-        terrain["file"] = str(Path(file).expanduser().absolute())
+        terrain["file"] = os.path.abspath(os.path.expanduser(file))

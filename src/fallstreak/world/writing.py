@@ -114,10 +114,19 @@ def edit_toml(scene: str | Path, changes: Mapping[str, Any]) -> str:
     build(with_bases(layer, path or folder / "scene text"), folder)
     if path:
         bom = "\ufeff" if path.read_bytes().startswith(b"\xef\xbb\xbf") else ""
-        beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-        beside.write_text(bom + result, encoding="utf-8", newline="")
-        os.replace(beside, path)
+        _replace(path, bom + result)
     return result
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write beside, then rename, so that the file is never half-written."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        beside.write_text(text, encoding="utf-8", newline="")
+        os.replace(beside, path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise WorldError(f"{path} cannot be written: {error.strerror}") from None
 
 
 def _set(document: Any, key: str, value: Any) -> None:
