@@ -122,9 +122,7 @@ class Celestial:
                 constants={"PLANETS": np.uint32(PLANETS)},
                 structs=[*structs, WANDERERS],
                 depth_compare="greater-equal",
-                topology="triangle-strip",
-                vertices=4,
-                instances=lambda: PLANETS + count if self._dark else 0,
+                vertices=lambda: 3 * (PLANETS + count) if self._dark else 0,
                 order=20,
                 **onto,
             )
