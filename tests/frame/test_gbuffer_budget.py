@@ -1,4 +1,6 @@
-"""The G-buffer keeps to the 28 bytes that DESIGN budgets, at the costs the WebGPU specification gives each format."""
+"""The G-buffer keeps to the 28 bytes that DESIGN budgets, at the costs the WebGPU specification gives
+each format.
+"""
 
 from fallstreak.frame import gbuffer
 

@@ -2,8 +2,9 @@
 
     add_gbuffer(graph, (width, height))       # once, before any system draws into it
 
-Systems that draw surfaces import ``package::gpu::gbuffer`` and return ``encode_gbuffer(surface, motion)`` from a
-render pass with ``color=COLOR`` and ``depth=DEPTH``. The meaning of every channel is written in that module.
+Systems that draw surfaces import ``package::gpu::gbuffer`` and return ``encode_gbuffer(surface, motion)``
+from a render pass with ``color=COLOR`` and ``depth=DEPTH``. The meaning of every channel is written in that
+module.
 """
 
 DEPTH = "gbuffer.depth"
@@ -22,7 +23,9 @@ MATERIALS = {"ground": 0, "water": 1, "snow": 2, "vegetation": 3, "rock": 4}
 
 
 def add_gbuffer(graph, size):
-    """Declare the G-buffer of ``size`` = (width, height) pixels: all zero, depth 0 = infinitely far (reverse Z)."""
+    """Declare the G-buffer of ``size`` = (width, height) pixels: all zero, depth 0 = infinitely far
+    (reverse Z).
+    """
     for name, (format, _) in ATTACHMENTS.items():
         graph.texture(name, format, size)
     graph.texture(DEPTH, "depth32float", size)

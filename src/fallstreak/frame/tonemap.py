@@ -1,0 +1,76 @@
+"""The film: night vision, exposure, tone map, sRGB, dither.
+
+    tone = ToneMap(graph, world.film, size, bits=8, bloom="frame.bloom")      # writes frame.ldr
+
+``frame.ldr`` is rgba8unorm, or for ``bits=16`` rgba16uint, whose read-back is the uint16 array of a 16-bit
+PNG. Reads ``frame.resolved``, ``frame.exposure``, ``view`` and the bloom if it has a name. One pass.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from fallstreak.gpu import EXPOSURE, FrameGraph, Struct
+
+if TYPE_CHECKING:
+    from fallstreak.world import Film
+
+FILM = Struct(
+    "Film",
+    [
+        ("bloom", "f32", "share of the light that the lens spreads"),
+        ("dither", "f32", "amplitude of the triangular noise, one code value or 0"),
+    ],
+)
+
+
+class ToneMap:
+    """The last pass of a picture.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        In which ``view``, ``picture``, ``frame.exposure`` and the bloom are declared.
+    film : Film
+        The world's; its tone_map, bloom, dither and night_vision count.
+    size : (int, int)
+    bits : 8 or 16
+        Per channel of ``frame.ldr``.
+    picture, bloom : str
+        Textures; without bloom the lens is perfect.
+    """
+
+    def __init__(
+        self,
+        graph: FrameGraph,
+        film: Film,
+        size: tuple[int, int],
+        *,
+        bits: Literal[8, 16] = 8,
+        picture: str = "frame.resolved",
+        bloom: str | None = None,
+    ):
+        graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size)
+        self._uniform = graph.uniform("frame.film", FILM)
+        self._uniform.set(bloom=film.bloom, dither=1 / (2**bits - 1) if film.dither else 0.0)
+        graph.fullscreen(
+            "frame.tonemap",
+            "package::frame::tonemap",
+            color=["frame.ldr"],
+            bind={
+                "view": "view",
+                "film": "frame.film",
+                "picture": picture,
+                "exposure": "frame.exposure",
+                "bloom": bloom or "",
+                "linear": "sampler:linear-clamp",
+            },
+            structs=[EXPOSURE, FILM],
+            flags={
+                "AGX": film.tone_map == "agx",
+                "NEUTRAL": film.tone_map == "neutral",
+                "BLOOM": bloom is not None,
+                "NIGHT_VISION": film.night_vision,
+                "DEEP": bits == 16,
+            },
+        )
