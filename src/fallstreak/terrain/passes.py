@@ -86,12 +86,14 @@ class Terrain:
         pyramid = self.model.pyramid
         assert pyramid is not None
         self._lowest = float(pyramid.bounds[0][0, 0, 0])
-        graph.texture_data("terrain.heights", pyramid.coefficients, "r32float", dimension="2d-array")
+        graph.texture_data("terrain.coefficients", pyramid.coefficients, "r32float", dimension="2d-array")
         graph.texture_data("terrain.surface", pyramid.surface, "rgba16float", dimension="2d-array")
         graph.buffer_data("terrain.bounds", np.concatenate([b.reshape(-1, 2) for b in pyramid.bounds]))
         graph.buffer_data("terrain.index", grid_indices(self._grid), usage=("index",))
         graph.buffer("terrain.nodes", 8 * MAX_NODES)
         graph.buffer("terrain.draws", 20, usage=("indirect",))
+        graph.buffer("terrain.workgroups", 12, usage=("indirect",))
+        graph.buffer("terrain.heights", 4 * MAX_NODES * (self._grid + 1) ** 2)
         graph.compute(
             "terrain.selection",
             "package::terrain::selection",
@@ -101,9 +103,23 @@ class Terrain:
                 "bounds": "terrain.bounds",
                 "nodes": "terrain.nodes",
                 "draws": "terrain.draws",
+                "workgroups": "terrain.workgroups",
             },
             groups=(1, 1, 1),
             structs=[TERRAIN_FRAME],
+        )
+        graph.compute(
+            "terrain.heights",
+            "package::terrain::heights_pass",
+            bind={
+                "terrain": "terrain.frame",
+                "coefficients": "terrain.coefficients",
+                "nodes": "terrain.nodes",
+                "heights": "terrain.heights",
+            },
+            groups="terrain.workgroups",
+            structs=[TERRAIN_FRAME],
+            constants={"GRID": self._grid},
         )
         graph.render(
             "terrain.gbuffer",
@@ -117,6 +133,7 @@ class Terrain:
                 "surface": "terrain.surface",
                 "linear": "sampler:linear-clamp",
                 "nodes": "terrain.nodes",
+                "workgroups": "terrain.workgroups",
             },
             indirect="terrain.draws",
             index="terrain.index",
