@@ -73,6 +73,7 @@ class Pipeline:
         self.exposure = Exposure(graph, world.film, size)
         bloom = add_bloom(graph, world.film, quality, size)
         ToneMap(graph, world.film, size, bits=bits, bloom=bloom)
+        self._fresh = False  # without `begin`, the graph's histories were restored
 
     def begin(self, state: FrameState) -> None:
         """Forget all history: the next frame is the first."""

@@ -11,6 +11,8 @@ as before.
 
 from __future__ import annotations
 
+from math import ceil
+
 from fallstreak.gpu import EXPOSURE, FrameGraph, Struct
 
 from .model import halton
@@ -34,7 +36,8 @@ class Temporal:
 
     def __init__(self, graph: FrameGraph, size: tuple[int, int], picture: str = "frame.hdr"):
         graph.texture("frame.resolved", "rgba16float", size, history=True)
-        self._age = 0
+        # Old enough for the steady weight: without a reset, the history was restored from a longer run.
+        self._age = ceil(1.0 / STEADY_WEIGHT)
         self._uniform = graph.uniform("frame.temporal", TEMPORAL)
         graph.fullscreen(
             "frame.temporal",
