@@ -185,5 +185,4 @@ def _size(size: Sequence[int]) -> str:
 
 
 def _speed(progress: Progress) -> str:
-    frames = progress.rendered + progress.replayed
-    return f"{progress.seconds:.1f} s ({1000 * progress.seconds / frames:.0f} ms/frame)"
+    return f"{progress.seconds:.1f} s, {1000 * progress.seconds_per_frame:.0f} ms/frame"

@@ -55,8 +55,7 @@ def _lines(console: Console) -> Callable[[Progress], None]:
         if now - last < _QUIET_SECONDS:
             return
         last = now
-        left = progress.total - progress.done
-        seconds = left * progress.seconds / max(1, progress.rendered + progress.replayed)
+        seconds = (progress.total - progress.done) * progress.seconds_per_frame
         console.print(
             f"{progress.done} of {progress.total} frames, {_speed(progress)}, {_duration(seconds)} left",
             highlight=False,
@@ -67,8 +66,7 @@ def _lines(console: Console) -> Callable[[Progress], None]:
 
 
 def _speed(progress: Progress) -> str:
-    frames = progress.rendered + progress.replayed
-    return f"{1000 * progress.seconds / frames:.0f} ms/frame" if frames else ""
+    return f"{1000 * progress.seconds_per_frame:.0f} ms/frame"
 
 
 def _duration(seconds: float) -> str:

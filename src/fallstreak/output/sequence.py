@@ -79,6 +79,8 @@ class Progress:
     replayed: int = 0
     interrupted: bool = False
     seconds: float = 0.0
+    first_seconds: float = 0.0
+    """When the first frame was finished: it also makes pipelines and tables."""
     last: int | None = field(default=None)
     """The frame just finished."""
 
@@ -86,6 +88,14 @@ class Progress:
     def done(self) -> int:
         """Files that are there now."""
         return self.found + self.rendered
+
+    @property
+    def seconds_per_frame(self) -> float:
+        """Of the frames after the first, replayed ones included."""
+        frames = self.rendered + self.replayed
+        if frames < 2:
+            return self.seconds / max(1, frames)
+        return (self.seconds - self.first_seconds) / (frames - 1)
 
 
 def missing_frames(
@@ -168,6 +178,7 @@ def render_sequence(
             else:
                 progress.replayed += 1
             progress.last, progress.seconds = index, time.perf_counter() - start
+            progress.first_seconds = progress.first_seconds or progress.seconds
             if on_frame:
                 on_frame(progress, frame)
 
