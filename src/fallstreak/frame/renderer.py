@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
-from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph
+from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, Pending
 from fallstreak.world.quality import QUALITY, Quality
 from fallstreak.world.state import (
     CameraState,
@@ -115,7 +115,7 @@ class Renderer:
         self._inflight: deque[PendingFrame] = deque()
         self._log: list[int] = []
         self._kept: Mapping[str, Any] | None = None
-        self._keeping: tuple[int, dict[str, Any]] | None = None
+        self._keeping: tuple[int, dict[str, Pending]] | None = None
         self._position: int | None = None
         self.device = Device.open(adapter)
         self._build()
@@ -147,9 +147,7 @@ class Renderer:
         pending = PendingFrame(self, index)
         self._inflight.append(pending)
         try:
-            self._advance(index)
-            pending._start()
-            self._keep()
+            self._advance(index, pending)
         except DeviceLostError:
             self._recover()
         return pending
@@ -193,32 +191,42 @@ class Renderer:
             found["depth"] = "gbuffer.depth"
         return found
 
-    def _advance(self, index: int) -> None:
-        """Bring the GPU to the end of frame `index`."""
+    def _advance(self, index: int, pending: PendingFrame) -> None:
+        """Render frame `index` after the last one, or as a new beginning."""
         if self._position is None or index != self._position + 1 or self.still:
             # A new beginning: nothing of what was rendered before may shine through.
             self._kept, self._keeping, self._log = None, None, []
             self._settled = False
-        self._execute(index)
-        self._position = index
         self._log.append(index)
+        keep = not self.still and len(self._log) % CHECKPOINT_EVERY == 0
+        reads = self._execute(index, keep)
+        pending.take(reads)
+        self._position = index
+        if keep:
+            self._keep(index, reads)
 
-    def _execute(self, index: int) -> None:
+    def _execute(self, index: int, keep: bool = False) -> dict[str, Pending]:
+        """Bring the GPU to the end of frame `index`; returns what is read back of it."""
         if not self._settled:
             self.pipeline.begin(self.state(index))
             for before in [index] * 2 if self.still else range(index - WARM_UP, index):
-                self._execute_samples(before, 1, instant=True)
+                self._samples(before, 1, instant=True)
             self._settled = True
-        self._execute_samples(index, self.samples, instant=self.still)
+        names = {*self._sources().values(), "frame.exposure", *(self.graph.histories if keep else ())}
+        return self._samples(index, self.samples, instant=self.still, read=names)
 
-    def _execute_samples(self, index: int, samples: int, *, instant: bool) -> None:
+    def _samples(
+        self, index: int, samples: int, *, instant: bool, read: Iterable[str] = ()
+    ) -> dict[str, Pending]:
+        reads: dict[str, Pending] = {}
         begin = time.perf_counter()
         for sample in range(samples):
             state = self.state(index, self.pipeline.jitter(index, sample, samples), sample)
             self._view.set(**view_values(state))
             self.pipeline.update(state, delta=1.0 / (self.fps * samples), instant=instant)
-            self.graph.execute()
+            reads = self.graph.execute(read if sample == samples - 1 else ())
         self._frame_ms = (time.perf_counter() - begin) * 1e3
+        return reads
 
     def state(self, index: int, jitter: tuple[float, float] = (0.0, 0.0), sample: int = 0) -> FrameState:
         """What the systems are told of frame `index`."""
@@ -253,17 +261,13 @@ class Renderer:
             fov=fov,
         )
 
-    def _keep(self) -> None:
-        """Every few frames, copy the histories to the CPU while the GPU goes on."""
-        if self.still or len(self._log) % CHECKPOINT_EVERY:
-            return
+    def _keep(self, index: int, reads: Mapping[str, Pending]) -> None:
+        """Every few frames, the histories come to the CPU while the GPU goes on."""
         if self._keeping is not None:
             position, started = self._keeping
-            values = {name: pending.result() for name, pending in started.items()}
-            self._kept = {"frame": np.int64(position), **values}
+            self._kept = {"frame": np.int64(position), **{n: p.result() for n, p in started.items()}}
             self._log = [i for i in self._log if i > position]
-        assert self._position is not None
-        self._keeping = (self._position, self.graph.checkpoint_async())
+        self._keeping = (index, {name: reads[name] for name in self.graph.histories})
 
     def _recover(self, attempts: int = 3) -> None:
         """Build everything anew on a new device and replay the frames since the last checkpoint."""
@@ -280,10 +284,10 @@ class Renderer:
                 start = self._log[0] if self._log else goal
                 self._log = list(range(start, goal + 1)) if not self.still else [goal]
                 for index in self._log:
-                    self._execute(index)
+                    reads = self._execute(index)
                     self._position = index
                     if index in wanted:
-                        wanted[index]._start()
+                        wanted[index].take(reads)
                 return
             except DeviceLostError:
                 if attempt == attempts - 1:
@@ -312,14 +316,13 @@ class PendingFrame:
     def __init__(self, renderer: Renderer, index: int):
         self.index = index
         self._renderer = renderer
-        self._reads: dict[str, Any] = {}
+        self._reads: dict[str, Pending] = {}
         self._frame: Frame | None = None
 
-    def _start(self) -> None:
-        graph = self._renderer.graph
-        sources = self._renderer._sources()
-        self._reads = {layer: graph.read_async(name) for layer, name in sources.items()}
-        self._reads["exposure"] = graph.read_async("frame.exposure")
+    def take(self, reads: Mapping[str, Pending]) -> None:
+        """Remember what to wait for."""
+        sources = {**self._renderer._sources(), "exposure": "frame.exposure"}
+        self._reads = {layer: reads[name] for layer, name in sources.items()}
 
     def result(self) -> Frame:
         """Wait for the frame; a GPU lost meanwhile is rebuilt and the frame rendered again."""

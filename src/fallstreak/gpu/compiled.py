@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -184,7 +184,7 @@ class Compiled:
 
     # ---- running ---------------------------------------------------------------------------------------
 
-    def execute(self) -> None:
+    def execute(self, read: Iterable[str] = ()) -> dict[str, Pending]:
         """Record and submit one frame; see `FrameGraph.execute`."""
         begin = time.perf_counter()
         with translated("rendering a frame"):
@@ -203,14 +203,20 @@ class Compiled:
                 calls += step.record(encoder, parity)
                 step.cpu_ms = (time.perf_counter() - started) * 1e3
             self.timing.resolve(encoder)
+            pending = {name: self._copy_of(name, parity) for name in read}
+            for copy in pending.values():
+                copy.record(encoder)
             commands = encoder.finish()
             recorded = time.perf_counter()
             self.device.queue.submit([commands])
+            for copy in pending.values():
+                copy.begin()
         self._ms = {"record": (recorded - begin) * 1e3, "submit": (time.perf_counter() - recorded) * 1e3}
         self._calls = calls + 4
         self._frame += 1
         for uniform in self.uniforms.values():
             uniform.changed = False
+        return pending
 
     def _upload_uniforms(self) -> int:
         dirty = [u for u in self.uniforms.values() if u.changed]
@@ -228,11 +234,14 @@ class Compiled:
 
     def read_async(self, name: str, mip: int = 0) -> Pending:
         """Start reading a resource as the last frame left it; see `Readback`."""
+        return self._readback.now(self._copy_of(name, (self._frame - 1) & 1, mip))
+
+    def _copy_of(self, name: str, parity: int, mip: int = 0) -> Pending:
         ref = Ref.parse(name)
         physical = self.physical.get(ref.name)
         if physical is None:
             raise GraphError(f"{name!r} is not part of the frame, so it cannot be read")
-        source = physical.at((self._frame - 1) & 1, ref.previous)
+        source = physical.at(parity, ref.previous)
         if ref.name in self.textures:
             decl = self.textures[ref.name]
             w, h, d = decl.size
@@ -242,14 +251,10 @@ class Compiled:
             )
         return self._readback.buffer(source, self.buffers[ref.name].size)
 
-    def checkpoint(self) -> dict[str, np.ndarray]:
-        """All histories as the last frame left them, for `restore`."""
-        return {name: pending.result() for name, pending in self.checkpoint_async().items()}
-
-    def checkpoint_async(self) -> dict[str, Pending]:
-        """The same without waiting."""
-        names = [name for name, p in self.physical.items() if len(p.objects) == 2]
-        return {name: self.read_async(name) for name in names}
+    @property
+    def histories(self) -> list[str]:
+        """Names of the resources that remember the frame before."""
+        return [name for name, p in self.physical.items() if len(p.objects) == 2]
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""

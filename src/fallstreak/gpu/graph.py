@@ -447,15 +447,25 @@ class FrameGraph:
             raise GraphError("the frame graph must be compiled first")
         return self._compiled
 
-    def execute(self) -> None:
+    def execute(self, read: Iterable[str] = ()) -> dict[str, Pending]:
         """Record and submit one frame.
+
+        Parameters
+        ----------
+        read : iterable of str
+            Resources to bring back as this frame leaves them, without waiting.
+
+        Returns
+        -------
+        dict
+            Name -> `Pending`, whose `.result()` waits.
 
         Raises
         ------
         DeviceLostError
             When the GPU has gone away; nothing of the graph can be used afterwards.
         """
-        self.compiled.execute()
+        return self.compiled.execute(read)
 
     def read_async(self, name: str, mip: int = 0) -> Pending:
         """Start reading a resource as the last frame left it; `.result()` waits for it."""
@@ -465,13 +475,14 @@ class FrameGraph:
         """Read a resource and wait for it. Transients other than outputs may have been overwritten."""
         return self.compiled.read_async(name, mip).result()
 
+    @property
+    def histories(self) -> list[str]:
+        """Names of the resources that remember the frame before: what `restore` needs."""
+        return self.compiled.histories
+
     def checkpoint(self) -> dict[str, np.ndarray]:
         """All histories as the last frame left them, for `restore`."""
-        return self.compiled.checkpoint()
-
-    def checkpoint_async(self) -> dict[str, Pending]:
-        """The same without waiting for the GPU."""
-        return self.compiled.checkpoint_async()
+        return {name: self.read(name) for name in self.histories}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""

@@ -1,7 +1,8 @@
 """Bringing GPU memory back without making the GPU wait.
 
-`start` records a copy into a staging buffer and asks for it to be mapped; the caller goes on with the next
-frame and takes the `Pending` result when it wants it. Staging buffers are pooled.
+A `Pending` copy is recorded into the encoder of the frame itself: a submission of its own would, on a
+software adapter, wait for the frame before it returns. The caller goes on with the next frame and takes the
+result when it wants it. Staging buffers are pooled.
 """
 
 from __future__ import annotations
@@ -24,10 +25,25 @@ class Pending:
     """A read-back under way."""
 
     def __init__(
-        self, promise: Any, buffer: Any, finish: Callable[[memoryview], Any], release: Callable[[Any], None]
+        self,
+        pool: Readback,
+        record: Callable[[Any, Any], None],
+        size: int,
+        finish: Callable[[memoryview], Any],
     ):
-        self._promise, self._buffer, self._finish, self._release = promise, buffer, finish, release
+        self._pool, self._record, self._size, self._finish = pool, record, size, finish
+        self._buffer: Any = pool.take(size)
+        self._promise: Any = None
         self._value: Any = None
+
+    def record(self, encoder: Any) -> None:
+        """Record the copy into an encoder; `begin` comes after its submission."""
+        self._record(encoder, self._buffer)
+
+    def begin(self) -> None:
+        """Ask for the copy to be mapped once the GPU has made it."""
+        # Plain "READ" would submit an empty command buffer first, which on lavapipe waits for the frame.
+        self._promise = self._buffer.map_async("READ_NOSYNC", 0, self._size)
 
     def result(self) -> Any:
         """Wait until the data is there and return it; may be called again.
@@ -42,7 +58,7 @@ class Pending:
                 self._promise.sync_wait()
                 self._value = self._finish(self._buffer.read_mapped(copy=False))
                 self._buffer.unmap()
-            self._release(self._buffer)
+            self._pool.give(self._size, self._buffer)
             self._buffer = None
         return self._value
 
@@ -52,34 +68,37 @@ class Readback:
 
     def __init__(self, device: Device):
         self._device = device
-        self._pool: dict[int, list[Any]] = defaultdict(list)
+        self._free: dict[int, list[Any]] = defaultdict(list)
 
-    def _staging(self, size: int) -> Any:
-        free = self._pool[size]
+    def take(self, size: int) -> Any:
+        """A staging buffer."""
+        free = self._free[size]
         return free.pop() if free else self._device.buffer("readback", size, _MAP_READ | _COPY_DST)
 
-    def _start(
-        self, record: Callable[[Any, Any], None], size: int, finish: Callable[[memoryview], Any]
-    ) -> Pending:
+    def give(self, size: int, buffer: Any) -> None:
+        """Take a staging buffer back."""
+        self._free[size].append(buffer)
+
+    def now(self, pending: Pending) -> Pending:
+        """Submit a copy on its own."""
         with translated("reading back"):
-            staging = self._staging(size)
             encoder = self._device.native.create_command_encoder(label="readback")
-            record(encoder, staging)
+            pending.record(encoder)
             self._device.queue.submit([encoder.finish()])
-            promise = staging.map_async("READ", 0, size)
-        return Pending(promise, staging, finish, lambda b: self._pool[size].append(b))
+            pending.begin()
+        return pending
 
     def buffer(self, source: Any, size: int, dtype: Any = np.uint8) -> Pending:
-        """Start reading `size` bytes of a buffer, as a 1-D array of `dtype`."""
+        """A copy of `size` bytes of a buffer, as a 1-D array of `dtype`; not begun yet."""
         size = -(-size // 4) * 4
 
         def finish(data: memoryview) -> np.ndarray:
             return np.frombuffer(data, np.uint8).copy().view(dtype)
 
-        return self._start(lambda e, b: e.copy_buffer_to_buffer(source, 0, b, 0, size), size, finish)
+        return Pending(self, lambda e, b: e.copy_buffer_to_buffer(source, 0, b, 0, size), size, finish)
 
     def texture(self, source: Any, fmt: str, size: tuple[int, int, int], mip: int = 0) -> Pending:
-        """Start reading a texture as ([depth,] height, width[, components])."""
+        """A copy of a texture as ([depth,] height, width[, components]); not begun yet."""
         kind, count = texel(fmt)
         w, h, d = size
         row = w * kind.itemsize * count
@@ -101,4 +120,4 @@ class Readback:
                 values = values[..., 0]
             return values[0] if d == 1 else values
 
-        return self._start(record, total, finish)
+        return Pending(self, record, total, finish)

@@ -45,6 +45,7 @@ class Timing:
         """GPU time of each pass of the last frame, in ms; waits for the GPU."""
         if not self.available:
             return None
-        stamps = self._readback.buffer(self._buffer, 16 * self._count, np.uint64).result().reshape(-1, 2)
+        copy = self._readback.now(self._readback.buffer(self._buffer, 16 * self._count, np.uint64))
+        stamps = copy.result().reshape(-1, 2)
         # WebGPU timestamps are nanoseconds; a pass that did not run keeps old stamps, the graph masks those.
         return (stamps[:, 1].astype(np.int64) - stamps[:, 0].astype(np.int64)) / 1e6
