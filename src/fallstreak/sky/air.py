@@ -9,7 +9,7 @@ import numpy as np
 
 from fallstreak.gpu import Struct
 
-from .spectrum import SKY_RESPONSE
+from .spectrum import BANDS, GIVEN, SKY_RESPONSE, at_bands, ozone_at_bands
 
 if TYPE_CHECKING:
     from fallstreak.world import World
@@ -51,9 +51,9 @@ AIR = Struct(
 
 @dataclass(frozen=True)
 class Air:
-    """An atmosphere at 680, 550 and 440 nm; lengths in m, coefficients in 1/m.
+    """An atmosphere at three wavelengths; lengths in m, coefficients in 1/m.
 
-    The defaults are the clear air of Bruneton 2017. `mie_*` already hold the turbidity.
+    The defaults are the clear air of Bruneton 2017 at 680, 550 and 440 nm; `mie_*` hold the turbidity.
     """
 
     planet_radius: float = 6.36e6
@@ -75,27 +75,27 @@ class Air:
 
     @classmethod
     def of(cls, world: World) -> Air:
-        """The air of a world: its coefficients, with the aerosol multiplied by its turbidity."""
+        """The air of a world, carried to the wavelengths at which the sky is computed (see `spectrum`)."""
         sky, planet = world.sky, world.planet
-        g = np.asarray(sky.mie_g, float)
+        g = np.interp(BANDS, GIVEN[::-1], sky.mie_g[::-1])
         forward, wide, share = g, np.zeros(3), np.ones(3)
         if sky.phase == "mars":
-            forward, wide = np.asarray(_MARS_FORWARD), np.full(3, _MARS_WIDE)
+            forward, wide = np.interp(BANDS, GIVEN[::-1], _MARS_FORWARD[::-1]), np.full(3, _MARS_WIDE)
             # the shares that give the mean cosine asked for, where two such lobes can
             share = np.clip((g - wide) / (forward - wide), 0.0, 1.0)
         return cls(
             planet_radius=planet.radius,
             top_height=sky.top_height,
-            rayleigh_scattering=sky.rayleigh_scattering,
+            rayleigh_scattering=_colour(at_bands(sky.rayleigh_scattering)),
             rayleigh_scale_height=sky.rayleigh_scale_height,
-            mie_scattering=_colour(np.asarray(sky.mie_scattering) * sky.turbidity),
-            mie_extinction=_colour(np.asarray(sky.mie_extinction) * sky.turbidity),
+            mie_scattering=_colour(at_bands(sky.mie_scattering) * sky.turbidity),
+            mie_extinction=_colour(at_bands(sky.mie_extinction) * sky.turbidity),
             mie_scale_height=sky.mie_scale_height,
             mie_forward=_colour(forward),
             mie_wide=_colour(wide),
             mie_forward_share=_colour(share),
             cornette_shanks=sky.phase == "cornette_shanks",
-            ozone_absorption=sky.ozone_absorption,
+            ozone_absorption=_colour(ozone_at_bands(sky.ozone_absorption)),
             ozone_centre=sky.ozone_centre,
             ozone_width=sky.ozone_width,
             ground_albedo=planet.ground_albedo,

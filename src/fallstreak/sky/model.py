@@ -179,7 +179,8 @@ def multiple_scattering(
     The ground reflects too. Per unit of illuminance above the air; shape (..., 3).
     """
     altitude, mu_sun = np.broadcast_arrays(np.asarray(altitude, float), np.asarray(mu_sun, float))
-    second, transfer = np.zeros((*altitude.shape, 3)), np.zeros((*altitude.shape, 3))
+    bands = len(air.rayleigh_scattering)
+    second, transfer = np.zeros((*altitude.shape, bands)), np.zeros((*altitude.shape, bands))
     for z, x in sphere_directions(directions):
         nu = x * np.sqrt(np.maximum(1.0 - mu_sun**2, 0.0)) + z * mu_sun
         mu = np.full(altitude.shape, z)
@@ -205,7 +206,7 @@ def multiple_scattering(
 
 
 def sphere_directions(count: int) -> Array:
-    """Vertical component and horizontal one towards the sun of `count` spread directions, shape (count, 2)."""
+    """Vertical component and horizontal one towards the sun of `count` directions, shape (count, 2)."""
     i = np.arange(count) + 0.5
     z = 1.0 - 2.0 * i / count
     return np.stack([z, np.cos(np.pi * (1.0 + 5.0**0.5) * i) * np.sqrt(1.0 - z * z)], -1)
@@ -213,9 +214,8 @@ def sphere_directions(count: int) -> Array:
 
 def sunlight(air: Air, altitude: ArrayLike, mu: ArrayLike, angular_radius: float) -> Array:
     """Share of a far light's illuminance above the air that arrives, shape (..., 3)."""
-    mu = np.maximum(np.asarray(mu, float), cos_horizon(air, altitude))
-    seen = visible_fraction(air, altitude, np.asarray(mu, float), angular_radius)
-    return transmittance_to_top(air, altitude, mu) * seen[..., None]
+    seen = visible_fraction(air, altitude, mu, angular_radius)
+    return transmittance_to_top(air, altitude, np.maximum(mu, cos_horizon(air, altitude))) * seen[..., None]
 
 
 def transmittance_to_top(air: Air, altitude: ArrayLike, mu: ArrayLike, steps: int = 160) -> Array:

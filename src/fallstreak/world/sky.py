@@ -70,7 +70,7 @@ class Sky(Section):
         doc="Ozone falls linearly to nothing this far above and below its middle.",
     )
     top_height: Number = quantity(
-        60e3,
+        100e3,
         unit="m",
         ge=1e3,
         le=1e6,
