@@ -34,7 +34,7 @@ from .pipeline import Pipeline
 if TYPE_CHECKING:
     from fallstreak.world import World
 
-WARM_UP = 8
+WARM_UP = 12
 """Frames rendered unseen before the first one of a sequence, so that its history is settled."""
 
 CHECKPOINT_EVERY = 16

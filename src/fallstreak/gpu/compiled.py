@@ -258,14 +258,15 @@ class Compiled:
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Make the next frame see these as its `@previous`."""
-        for name, value in state.items():
-            if name not in self.physical or len(self.physical[name].objects) != 2:
-                raise GraphError(f"checkpoint has {name!r}, which is no history of this frame")
-            target = self.physical[name].at(self._frame & 1, previous=True)
-            if name in self.textures:
-                res.upload_texture(self.device, target, value, self.textures[name].size)
-            else:
-                self.device.queue.write_buffer(target, 0, np.ascontiguousarray(value))
+        with translated("restoring a history"):
+            for name, value in state.items():
+                if name not in self.physical or len(self.physical[name].objects) != 2:
+                    raise GraphError(f"checkpoint has {name!r}, which is no history of this frame")
+                target = self.physical[name].at(self._frame & 1, previous=True)
+                if name in self.textures:
+                    res.upload_texture(self.device, target, value, self.textures[name].size)
+                else:
+                    self.device.queue.write_buffer(target, 0, np.ascontiguousarray(value))
 
     def stats(self) -> dict[str, Any]:
         """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU."""
