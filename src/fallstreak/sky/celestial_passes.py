@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fallstreak.world.state import FrameState
 
 PLANETS = 5
+MILKY_WAY_SIZE = (512, 512)
 WANDERERS = Struct(
     "Wanderers",
     [("spots", f"array<vec4f, {2 * PLANETS}>", "per planet: direction; illuminance above the air, lux")],
@@ -96,6 +97,25 @@ class Celestial:
         shared |= {"transmittance": "sky.transmittance", "linear": "sampler:linear-clamp"}
         onto = {"color": ["frame.hdr"], "depth": "gbuffer.depth", "depth_write": False, "blend": "add"}
         structs = [AIR, LIGHT, EXPOSURE]
+        width, height = MILKY_WAY_SIZE
+        graph.texture("sky.milky_way", "rgba16float", (width, height), persistent=True)
+        graph.compute(
+            "sky.milky_way",
+            "package::sky::milky_way",
+            bind={"output": "sky.milky_way"},
+            groups=(width // 8, height // 8, 1),
+            when=lambda: False,  # it always runs in the first frame
+        )
+        graph.fullscreen(
+            "sky.night",
+            "package::sky::night",
+            bind={**shared, "milky_way": "sky.milky_way"},
+            structs=structs,
+            depth_compare="equal",
+            vertices=lambda: 3 if self._dark else 0,
+            order=12,
+            **onto,
+        )
         if sky.moon and self._world.planet.preset != "mars":
             graph.texture_data("sky.moon_features", feature_records(), "rgba32float", dimension="2d")
             graph.render(

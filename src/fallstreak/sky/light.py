@@ -60,7 +60,7 @@ _LIMB = np.array([0.397, 0.503, 0.652])
 
 MOON_COLOUR = SUN_ILLUMINANCE * (1.10, 0.985, 0.82)  # regolith's reflectance over the three bands
 MOON_COLOUR /= MOON_COLOUR @ LUMINANCE
-_AIRGLOW_TINT = np.array([0.93, 1.04, 0.78])  # the green and red oxygen lines over a broad continuum
+_AIRGLOW_TINT = np.array([0.95, 1.03, 0.88])  # the green and red oxygen lines over a broad continuum
 _EARTH_TINT = np.array([0.85, 1.02, 1.25])  # of oceans and clouds against the sun
 _UMBRA_GLOW = 4e-4  # sunlight bent into the middle of the Earth's shadow, of full sunlight
 _MOON_MEAN_DISTANCE = 3.844e8
