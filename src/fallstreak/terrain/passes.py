@@ -143,11 +143,11 @@ class Terrain:
                 "MARS": world.terrain.material == "mars",
                 "CROWNS": True,
                 "PARCELS": True,
-                "LEAVES": quality.terrain_bump_finest < 0,
             },
             constants={
                 "GRID": self._grid,
                 "NORMAL_FINEST": quality.terrain_bump_finest,
+                "GROUND_FINEST": quality.terrain_bump_finest - 3,
                 "SURFACE_KIND": surface,
             },
         )
