@@ -63,7 +63,7 @@ class Pipeline:
     ):
         add_exposure_buffer(graph)
         add_gbuffer(graph, size)
-        graph.texture("frame.hdr", "rgba16float", size)
+        graph.texture("frame.hdr", "rgba16float", size, persistent=True)
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size)
         add_lighting(graph, world, quality, size)
