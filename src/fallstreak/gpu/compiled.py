@@ -37,7 +37,6 @@ class Compiled:
         self.textures, self.buffers, self.uniforms = graph.textures, graph.buffers, graph.uniforms
         self.plan = plan
         self._outputs = graph.outputs
-        self._position = {p.name: i for i, p in enumerate(plan.passes)}
         self.physical: dict[str, Physical] = {}
         self._readback = Readback(self.device)
         self._frame = 0
@@ -48,8 +47,16 @@ class Compiled:
         self._steps: list[Step] = [p.build(self) for p in plan.passes]
         for position, step in enumerate(self._steps):
             step.timed(self.timing.writes(position))
+            step.writes = {(ref.name, ref.mip or 0) for ref in plan.passes[position].writes}
         self._when = [p.when for p in plan.passes]
+        # What a later frame relies on must be made in the first one, whatever its pass says of that frame.
+        self._makes_lasting = [any(self._lasts(ref) for ref in p.writes) for p in plan.passes]
+        self._written: set[tuple[str, int]] = set()
         self._ran = np.zeros(len(plan.passes), bool)
+
+    def _lasts(self, ref: Ref) -> bool:
+        decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
+        return decl is not None and decl.lifetime == "persistent"
 
     # ---- memory ----------------------------------------------------------------------------------------
 
@@ -139,18 +146,10 @@ class Compiled:
             physical, self.textures[ref.name], ref, parity, shape, binding.kind == "storage_texture"
         )
 
-    def attachments(
-        self, who: str, color: list[Ref], depth: Ref | None, depth_write: bool
-    ) -> list[dict[str, Any]]:
-        """Render pass descriptors, one or two by parity."""
+    def attachments(self, color: list[Ref], depth: Ref | None, depth_write: bool) -> list[dict[str, Any]]:
+        """Render pass descriptors, one or two by parity; `RenderStep` sets their load operations."""
         refs = [*color, *([depth] if depth else [])]
         variants = 2 if any(len(self.physical[r.name].objects) == 2 for r in refs) else 1
-        position = self._position[who]
-
-        def load(ref: Ref) -> str:
-            first = self.plan.first_writer.get((ref.name, ref.mip or 0))
-            return "clear" if first == position else "load"
-
         descriptors = []
         for parity in range(variants):
             attachments = []
@@ -159,7 +158,7 @@ class Compiled:
                 attachments.append(
                     {
                         "view": view_of(self.physical[ref.name], decl, ref, parity, "2d", True),
-                        "load_op": load(ref),
+                        "load_op": "load",
                         "store_op": "store",
                         "clear_value": decl.clear,
                     }
@@ -172,7 +171,7 @@ class Compiled:
                 }
                 if depth_write:
                     stencil |= {
-                        "depth_load_op": load(depth),
+                        "depth_load_op": "load",
                         "depth_store_op": "store",
                         "depth_clear_value": decl.clear[0],
                     }
@@ -192,15 +191,16 @@ class Compiled:
             encoder = self.device.native.create_command_encoder(label="frame")
             parity = self._frame & 1
             first = self._frame == 0
+            self._written.clear()
             for position, step in enumerate(self._steps):
                 when = self._when[position]
-                if when is not None and not first and not when():
+                if when is not None and not (first and self._makes_lasting[position]) and not when():
                     self._ran[position] = False
                     step.cpu_ms = 0.0
                     continue
                 self._ran[position] = True
                 started = time.perf_counter()
-                calls += step.record(encoder, parity)
+                calls += step.record(encoder, parity, self._written)
                 step.cpu_ms = (time.perf_counter() - started) * 1e3
             self.timing.resolve(encoder)
             pending = {name: self._copy_of(name, parity) for name in read}

@@ -181,7 +181,8 @@ class FrameGraph:
         groups : tuple, callable or str
             Workgroups; a callable is asked every frame; a string names an indirect buffer.
         when : callable, optional
-            Asked every frame; False skips the pass (it always runs in the first frame).
+            Asked every frame; False skips the pass. What makes a persistent resource always runs in the
+            first frame.
         """
         native, linked = self._shader(shader, [entry], flags, constants, structs)
         reads, writes = self._accesses(name, linked.bindings, bind)
@@ -285,7 +286,9 @@ class FrameGraph:
                 name,
                 pipeline,
                 made.bind_groups(name, pipeline, linked.bindings, bind),
-                made.attachments(name, color_refs, depth_ref, depth_write),
+                made.attachments(color_refs, depth_ref, depth_write),
+                [(r.name, r.mip or 0) for r in color_refs],
+                (depth_ref.name, depth_ref.mip or 0) if depth_ref else None,
                 vertices,
                 instances,
                 made.physical[indirect].at(0) if indirect else None,
@@ -427,11 +430,11 @@ class FrameGraph:
                 self._check_sometimes(plan, p)
 
     def _check_sometimes(self, plan: Schedule, p: PassDecl) -> None:
-        """A pass that is skipped in some frames may add to what another made, or keep what it made itself."""
+        """A pass that is skipped in some frames may share its resource with others, or keep what it made."""
         for ref in p.writes:
             decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
-            first = plan.passes[plan.first_writer[ref.name, ref.mip or 0]]
-            if decl is not None and decl.lifetime != "persistent" and first is p:
+            alone = all(q is p for q in plan.passes for r in q.writes if r.name == ref.name)
+            if decl is not None and decl.lifetime != "persistent" and alone:
                 raise GraphError(f"pass {p.name!r} runs only sometimes: declare {ref.name!r} persistent")
 
     @property

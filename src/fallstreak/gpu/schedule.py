@@ -64,8 +64,6 @@ class Schedule:
     first: dict[str, int] = field(default_factory=dict)
     """Resource -> position of the first pass that touches it."""
     last: dict[str, int] = field(default_factory=dict)
-    first_writer: dict[tuple[str, int], int] = field(default_factory=dict)
-    """(resource, mip) -> position of the pass that writes it first: the one that clears attachments."""
 
 
 def _keys(ref: Ref, mips: Callable[[str], int]) -> Iterable[tuple[str, int]]:
@@ -144,9 +142,6 @@ def schedule(passes: Sequence[PassDecl], outputs: Iterable[str], mips: Callable[
         for ref in [*p.reads, *p.writes]:
             result.first.setdefault(ref.name, position)
             result.last[ref.name] = position
-        for ref in p.writes:
-            for key in _keys(ref, mips):
-                result.first_writer.setdefault(key, position)
     return result
 
 

@@ -33,14 +33,29 @@ class Step:
     def __init__(self, name: str):
         self.name = name
         self.cpu_ms = 0.0
+        self.writes: set[tuple[str, int]] = set()
+        """(resource, mip) that it writes."""
         self._timestamps: dict[str, Any] | None = None
 
     def timed(self, timestamps: dict[str, Any] | None) -> None:
         """Take the timestamp queries of this pass."""
         self._timestamps = timestamps
 
-    def record(self, encoder: Any, parity: int) -> int:
-        """Record into the frame's encoder; returns the number of WebGPU calls."""
+    def record(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
+        """Record into the frame's encoder; returns the number of WebGPU calls.
+
+        Parameters
+        ----------
+        parity : 0 or 1
+            Which of a history's two places is this frame's.
+        written : set
+            (resource, mip) that passes of this frame have written; grows by this one's.
+        """
+        calls = self._record_into(encoder, parity, written)
+        written |= self.writes
+        return calls
+
+    def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         raise NotImplementedError
 
 
@@ -51,7 +66,7 @@ class ComputeStep(Step):
         super().__init__(name)
         self._pipeline, self._groups, self._count, self._indirect = pipeline, groups, count, indirect
 
-    def record(self, encoder: Any, parity: int) -> int:
+    def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         work = encoder.begin_compute_pass(label=self.name, timestamp_writes=self._timestamps)
         work.set_pipeline(self._pipeline)
         group = self._groups[parity % len(self._groups)]
@@ -75,6 +90,8 @@ class RenderStep(Step):
         pipeline: Any,
         groups: list[Any],
         descriptors: list[dict[str, Any]],
+        color: list[tuple[str, int]],
+        depth: tuple[str, int] | None,
         vertices: Any,
         instances: Any,
         indirect: Any,
@@ -83,11 +100,18 @@ class RenderStep(Step):
     ):
         super().__init__(name)
         self._pipeline, self._groups, self._descriptors = pipeline, groups, descriptors
+        self._color, self._depth = color, depth
         self._vertices, self._instances = vertices, instances
         self._indirect, self._index, self._indices = indirect, index, indices
 
-    def record(self, encoder: Any, parity: int) -> int:
+    def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         descriptor = self._descriptors[parity % len(self._descriptors)]
+        # The first pass that really runs clears: which one that is may change from frame to frame.
+        for key, attachment in zip(self._color, descriptor["color_attachments"], strict=True):
+            attachment["load_op"] = "load" if key in written else "clear"
+        if self._depth in self.writes:
+            load = "load" if self._depth in written else "clear"
+            descriptor["depth_stencil_attachment"]["depth_load_op"] = load
         draw = encoder.begin_render_pass(label=self.name, timestamp_writes=self._timestamps, **descriptor)
         draw.set_pipeline(self._pipeline)
         group = self._groups[parity % len(self._groups)]
@@ -133,7 +157,7 @@ class CustomStep(Step):
         super().__init__(name)
         self._record, self._contexts = record, [context(0), context(1)]
 
-    def record(self, encoder: Any, parity: int) -> int:
+    def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         context = self._contexts[parity]
         context.encoder, context.timestamps = encoder, self._timestamps
         self._record(context)
