@@ -75,7 +75,7 @@ def test_solar_eclipse():
     assert covered_fraction(0.0046, 0.0046, 0.0046) == pytest.approx(0.391, abs=0.001)  # lens of equal discs
     # Mazatlan, 2024-04-08: total from 18:07:24 to 18:11:44 UT.
     total = values(datetime(2024, 4, 8, 18, 9, 35, tzinfo=UTC), 23.25, -106.42)
-    assert total["sun_illuminance"].max() == 0.0 and total["sun_covered"] == 1.0
+    assert 1 < total["sun_illuminance"] @ LUMINANCE < 10  # lux of totality
     before = values(datetime(2024, 4, 8, 18, 5, 0, tzinfo=UTC), 23.25, -106.42)
     assert 0 < before["sun_illuminance"] @ LUMINANCE < 0.1 * SUN_LUX
 

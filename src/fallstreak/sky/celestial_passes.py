@@ -71,8 +71,10 @@ class Celestial:
         self._light.set(**values)
         self._wanderers.set(spots=self._spots(heavens))
         self.heavens = heavens
-        # Starlight is lost in the sky long before the sun is up; saves the draws of the day.
-        self._dark = float(values["table_scale"]) > 1e-2  # type: ignore[arg-type]
+        # Under a sky of some thousand lux not even Venus is seen; saves the draws of the day. Above the air
+        # the sky is black at noon.
+        thin = altitude > 0.5 * self._world.sky.top_height
+        self._dark = thin or float(values["table_scale"]) > 2e-3  # type: ignore[arg-type]
         self._moon_up = float(values["moon_radius"]) > 0.0  # type: ignore[arg-type]
         return values
 

@@ -7,8 +7,9 @@ phase (Astrophysical Quantities, section 66; Krisciunas and Schaefer, PASP 103 (
 mean full moon, about 0.27 lx below it. Its colour is the sun's times a regolith whose reflectance rises by
 a third from 440 to 680 nm.
 
-Limits: the brightening of the full moon in its last degrees (the opposition effect) is left out; in an
-eclipse the sun's disc is covered without regard to limb darkening.
+Limits: the brightening of the full moon in its last degrees (the opposition effect) is left out. In a solar
+eclipse the disc is covered without regard to limb darkening, the corona is not drawn, and totality gets its
+few lux from the sun's direction instead of from the horizon all around.
 """
 
 from __future__ import annotations
@@ -34,7 +35,6 @@ LIGHT = Struct(
         ("sun_illuminance", "vec3f", "lux above the air at normal incidence, less what the moon covers"),
         ("table_scale", "f32", "the sky's half-float tables hold luminance times this"),
         ("sun_luminance", "vec3f", "cd/m2 in the middle of the disc above the air"),
-        ("sun_covered", "f32", "1 if the moon touches the sun's disc"),
         ("sun_limb", "vec3f", "luminance over the disc is middle * mu^this, mu the cosine on the sun's face"),
         ("refraction", "f32", "strength of refraction at the camera, 1 at sea level, 0 for none"),
         ("moon_direction", "vec3f", "unit, towards the moon, with refraction"),
@@ -63,6 +63,7 @@ MOON_COLOUR /= MOON_COLOUR @ LUMINANCE
 _AIRGLOW_TINT = np.array([0.95, 1.03, 0.88])  # the green and red oxygen lines over a broad continuum
 _EARTH_TINT = np.array([0.85, 1.02, 1.25])  # of oceans and clouds against the sun
 _UMBRA_GLOW = 4e-4  # sunlight bent into the middle of the Earth's shadow, of full sunlight
+_BEYOND_SHADOW = 5e-5  # of sunlight: what sunlit air outside the moon's shadow sends into it, some 6 lx
 _MOON_MEAN_DISTANCE = 3.844e8
 
 # log10 lux on level ground against the sun's true elevation in degrees (USNO Circular 171).
@@ -117,10 +118,9 @@ def light_values(world: World, heavens: Heavens, altitude: float = 0.0) -> dict[
     return {
         "sun_direction": heavens.sun_direction,
         "sun_radius": radius,
-        "sun_illuminance": sun * (1 - covered),
+        "sun_illuminance": sun * (1 - covered + _BEYOND_SHADOW * covered),
         "table_scale": table_scale(elevation, altitude, planet.radius, floor),
         "sun_luminance": sun_luminance if sky.sun.disc else np.zeros(3),
-        "sun_covered": float(covered > 0),
         "sun_limb": limb,
         "refraction": heavens.refraction,
         "moon_direction": heavens.moon_direction,
