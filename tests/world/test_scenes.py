@@ -15,6 +15,7 @@ import pytest
 
 import fallstreak as fs
 from fallstreak.world import Keyframe, Sky
+from fallstreak.world.explain import leaves
 
 
 @pytest.mark.parametrize("name", fs.scene_names())
@@ -240,3 +241,12 @@ def test_loading_a_scene_needs_no_numpy():
 def test_all_scenes_are_in_the_package():
     folder = Path(fs.__file__).parent / "world" / "scenes"
     assert {"jacksboro", "night", "orbit", "mars"} <= {path.stem for path in folder.glob("*.toml")}
+
+
+@pytest.mark.parametrize("key", [key for key in leaves(fs.World) if not key.startswith("camera")])
+def test_every_key_does_something(key):
+    """What a scene may say, some system asks for (the camera's keys are read by its own `at`)."""
+    package = Path(fs.__file__).parent
+    readers = [p for p in package.rglob("*.py") if p.parent.name != "world"]
+    name = key.rpartition(".")[2]
+    assert any(f".{name}" in path.read_text(encoding="utf-8") for path in readers)
