@@ -36,7 +36,7 @@ class FractalLand:
         self.dry, self.extent = dry, extent
         self.native = 100.0
         self.outside = base_height * exaggeration
-        self._craters = _craters(seed, extent) if dry else np.zeros((0, 3))
+        self._craters = _craters(seed, extent) if dry else np.zeros((0, 4))
 
     def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Heights (m) on the grid of two ascending, evenly spaced axes, (len(north), len(east)) float64."""
@@ -89,7 +89,7 @@ class FractalLand:
         return 28.0 * shape * field
 
     def _add_craters(self, height, east, north, spacing) -> None:
-        for x, y, diameter in self._craters:
+        for x, y, diameter, freshness in self._craters:
             if diameter < 3.0 * spacing:
                 continue
             reach = 1.25 * diameter
@@ -99,7 +99,8 @@ class FractalLand:
                 continue
             r = np.hypot(east[None, j0:j1] - x, north[i0:i1, None] - y) / (0.5 * diameter)
             depth = 0.16 * diameter if diameter < 7e3 else 0.16 * 7e3 * (diameter / 7e3) ** 0.3
-            rim = 0.22 * depth
+            depth *= freshness
+            rim = 0.25 * depth
             bowl = (depth + rim) * np.minimum(r * r, 1.0) - depth
             if diameter > 7e3:
                 bowl = np.maximum(bowl, -0.75 * depth)
@@ -111,7 +112,7 @@ class FractalLand:
 
 
 def _craters(seed: int, extent: float) -> np.ndarray:
-    """(count, 3): east, north, diameter in m; largest first so that the young small ones lie on the old."""
+    """(count, 4): east, north, diameter in m, freshness 0.25..1 (wind fills them); largest first so that the young small ones lie on the old."""
     rng = np.random.default_rng([seed & 0xFFFFFFFF, 77])
     count = int(min(4000, 2600 * (extent / 160e3) ** 2 + 40))
     diameter = 450.0 * rng.uniform(2e-4, 1.0, count) ** -0.5
@@ -119,7 +120,8 @@ def _craters(seed: int, extent: float) -> np.ndarray:
     span = np.where(near, 0.16, 0.85) * extent
     position = rng.uniform(-1.0, 1.0, (count, 2)) * span[:, None]
     order = np.argsort(-diameter)
-    return np.concatenate([position, diameter[:, None]], 1)[order]
+    freshness = 0.25 + 0.75 * rng.uniform(size=count) ** 2
+    return np.concatenate([position, diameter[:, None], freshness[:, None]], 1)[order]
 
 
 def _smoothstep(x, low: float, high: float):
