@@ -30,21 +30,18 @@ AIR = Struct(
         ("mie_scattering", "vec3f", "1/m at height 0"),
         ("top_height", "f32", "m, no air above"),
         ("mie_extinction", "vec3f", "1/m at height 0"),
-        ("rayleigh_scale_height", "f32", "m"),
+        ("rayleigh_falloff", "f32", "1/m, of the scale height"),
         ("ozone_absorption", "vec3f", "1/m at the layer's middle"),
-        ("mie_scale_height", "f32", "m"),
+        ("mie_falloff", "f32", "1/m, of the scale height"),
         ("mie_forward", "vec3f", "asymmetry of the aerosol's forward lobe"),
         ("ozone_centre", "f32", "m"),
         ("mie_wide", "vec3f", "asymmetry of the aerosol's wide lobe"),
-        ("ozone_width", "f32", "m, from the middle to nothing"),
+        ("ozone_falloff", "f32", "1/m, from the middle to nothing"),
         ("mie_forward_share", "vec3f", "what the forward lobe holds of the scattered light"),
         ("cornette_shanks", "f32", "1: forward lobe after Cornette and Shanks, 0: Henyey-Greenstein"),
         ("ground_albedo", "vec3f", "mean reflectance of the planet"),
-        (
-            "sky_response",
-            "vec3f",
-            "Rec. 709 luminance of scattered light over that of sunlight, see spectrum.py",
-        ),
+        ("horizon_of_top", "f32", "m, distance from the top of the air to its horizon"),
+        ("sky_response", "vec3f", "luminance of scattered light over that of sunlight, see spectrum.py"),
     ],
 )
 
@@ -104,8 +101,14 @@ class Air:
 
     def uniform(self) -> dict[str, object]:
         """The values of the shaders' `Air`."""
-        own = {name: getattr(self, name) for name, _, _ in AIR.fields if name != "sky_response"}
-        return {**own, "sky_response": SKY_RESPONSE}
+        derived = {
+            "rayleigh_falloff": 1.0 / self.rayleigh_scale_height,
+            "mie_falloff": 1.0 / self.mie_scale_height,
+            "ozone_falloff": 1.0 / self.ozone_width,
+            "horizon_of_top": (self.top_height * (2.0 * self.planet_radius + self.top_height)) ** 0.5,
+            "sky_response": SKY_RESPONSE,
+        }
+        return {name: derived[name] if name in derived else getattr(self, name) for name, _, _ in AIR.fields}
 
 
 def _colour(values: np.ndarray) -> Colour:

@@ -48,12 +48,13 @@ class Sky:
         graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
         _still_tables(graph, quality)
         _frame_tables(graph, quality, lambda: self._moon_matters)
-        graph.fullscreen(
+        graph.render(
             "sky.draw",
             "package::sky::draw",
             color=["frame.hdr"],
             depth="gbuffer.depth",
             depth_compare="equal",
+            depth_write=False,
             bind={
                 "view": "view",
                 "air": "sky.air",

@@ -1,6 +1,6 @@
 """From wavelengths to what the eye sees: the sun's spectrum, Rec. 709 luminance, and where to compute.
 
-Airs are *given* at 680, 550 and 440 nm (`GIVEN`), the wavelengths of Bruneton 2017, and *computed* at 625, 540
+Airs are *given* at 680, 550 and 440 nm (`GIVEN`), those of Bruneton 2017, and *computed* at 625, 540
 and 448 nm (`BANDS`), which stand for red, green and blue: over clear and hazy skies with the sun from 60° to
 -9° their radiances, each times one factor, come closest to the Rec. 709 luminance of a full spectral
 computation (error of a channel over luminance: 0.06 in the mean of 120 directions). 680, 550 and 440 nm miss
