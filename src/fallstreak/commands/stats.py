@@ -16,13 +16,14 @@ from rich.table import Table
 
 from fallstreak.output.errors import OutputError
 
-_SHARE = 0.005  # of the frame; cheaper passes share one row
+_SHARE = 0.01  # of the frame; cheaper passes share one row
 
 
 def print_stats(summary: Mapping[str, Any], console: Console | None = None) -> None:
     """Print what `fallstreak.output.stats.Statistics.summary` gives as a table, the dearest pass first."""
     console = console or Console()
-    table = Table(title=_title(summary), title_justify="left")
+    console.print(_title(summary), highlight=False, markup=False, soft_wrap=True)
+    table = Table()
     table.add_column("pass")
     for column in ("GPU ms", "CPU ms"):
         table.add_column(column, justify="right")
@@ -65,6 +66,8 @@ def _title(summary: Mapping[str, Any]) -> str:
     parts = [str(summary.get("scene", "")), "×".join(map(str, size)), summary.get("quality", "")]
     if frames > 1:
         parts.append(f"median of {frames} frames")
+    if summary.get("samples", 1) > 1:
+        parts.append(f"times of one of {summary['samples']} samples")
     return ", ".join(part for part in parts if part)
 
 

@@ -33,7 +33,9 @@ class Statistics:
     def add(self, index: int, stats: Mapping[str, Any]) -> None:
         """Take the stats of a frame: `gpu_ms`, `cpu_ms`, `passes` (name, gpu_ms, cpu_ms), bytes."""
         self._last = stats
-        self._frames.append({"frame": index, "gpu_ms": stats.get("gpu_ms"), "cpu_ms": stats.get("cpu_ms")})
+        self._frames.append(
+            {"frame": index, **{key: _rounded(stats.get(key)) for key in ("gpu_ms", "cpu_ms")}}
+        )
         for entry in stats.get("passes", ()):
             gpu, cpu = self._passes.setdefault(entry["name"], ([], []))
             _append(gpu, entry.get("gpu_ms"))
@@ -80,4 +82,8 @@ def _append(values: list[float], value: float | None) -> None:
 
 def _median(values: Sequence[float | None]) -> float | None:
     known = [value for value in values if value is not None]
-    return round(median(known), 4) if known else None
+    return _rounded(median(known)) if known else None
+
+
+def _rounded(milliseconds: float | None) -> float | None:
+    return None if milliseconds is None else round(milliseconds, 4)
