@@ -178,6 +178,8 @@ def test_refraction():
     lifted = [e + lift(e) for e in elevations]
     assert np.all(np.diff(lifted) > 0), "order of heights is kept"
     up = refract(direction(radians(3.0), 2.0))
+    turned = refract(np.array([0.0, 0.0, 1.0]), 1.0, np.array([0.0, 1.0, 0.0]))  # z lies on that horizon
+    assert degrees(asin(turned[1])) * 60 == pytest.approx(29.0, abs=1.5) and turned[0] == 0.0
     assert np.linalg.norm(up) == pytest.approx(1.0)
 
 

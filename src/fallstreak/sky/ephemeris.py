@@ -201,7 +201,9 @@ class Ephemeris:
         to_sun = bodies[0] - bodies[1]
         distances = np.sqrt(np.einsum("ij,ij->i", bodies, bodies))
         directions = bodies / distances[:, None]
-        apparent = refract(directions, strength)
+        # The anchor's own vertical is z; far from it the sphere's is good enough.
+        up = _unit(np.array([0.0, 0.0, 6.36e6]) + position)
+        apparent = refract(directions, strength, up)
         sun_distance, moon_distance = float(distances[0]), float(distances[1])
         has_moon = self.planet == "earth"
         return Heavens(
@@ -230,7 +232,7 @@ def days_since_j2000(utc: datetime) -> float:
     return (utc - J2000) / timedelta(days=1)
 
 
-def refract(direction: np.ndarray, strength: float = 1.0) -> np.ndarray:
+def refract(direction: np.ndarray, strength: float = 1.0, up: np.ndarray | None = None) -> np.ndarray:
     """Lift directions as the air between them and the observer does.
 
     Saemundsson's formula (Sky & Telescope 72, 1986; 10 degrees C, 1010 hPa). Below -1 degree of true
@@ -240,21 +242,25 @@ def refract(direction: np.ndarray, strength: float = 1.0) -> np.ndarray:
     Parameters
     ----------
     direction : (..., 3) array
-        Unit vectors in a frame whose z is up.
+        Unit vectors.
     strength : float
         Air density at the observer over that at sea level.
+    up : (3,) array, optional
+        The observer's vertical; z if left out.
     """
     if strength <= 0.0:
         return direction
-    up = np.clip(direction[..., 2], -1.0, 1.0)
-    elevation = np.degrees(np.arcsin(up))
+    vertical = np.array([0.0, 0.0, 1.0]) if up is None else np.asarray(up, float)
+    rise = np.clip(direction @ vertical, -1.0, 1.0)
+    elevation = np.degrees(np.arcsin(rise))
     held = np.clip(elevation, -1.0, 90.0)
     lift = 1.02 / 60.0 / np.tan(np.radians(held + 10.3 / (held + 5.11)))
     fade = np.clip((elevation + 5.0) / 4.0, 0.0, 1.0)
     lift = strength * np.maximum(lift, 0.0) * fade * fade * (3.0 - 2.0 * fade)
     lifted = np.radians(np.minimum(elevation + lift, 90.0))
-    scale = np.cos(lifted) / np.maximum(np.sqrt(np.maximum(1.0 - up * up, 0.0)), 1e-12)
-    return np.stack([direction[..., 0] * scale, direction[..., 1] * scale, np.sin(lifted)], axis=-1)
+    scale = np.cos(lifted) / np.maximum(np.sqrt(np.maximum(1.0 - rise * rise, 0.0)), 1e-12)
+    level = direction - rise[..., None] * vertical
+    return level * scale[..., None] + np.sin(lifted)[..., None] * vertical
 
 
 def elevation_azimuth(direction: np.ndarray) -> tuple[float, float]:
