@@ -58,38 +58,51 @@ class TerrainModel:
         """
         return self.height_and_slope(east, north, bumps)[0]
 
-    def height_and_slope(self, east: Any, north: Any, bumps: bool = True):
-        """Height (m) and its derivatives towards east and north at the given places, each in the broadcast shape."""
-        e, n = np.broadcast_arrays(np.asarray(east, np.float64), np.asarray(north, np.float64))
+    def height_and_slope(self, east: Any, north: Any, bumps: bool = True, step: Any = 0.0):
+        """Height (m) and its derivatives towards east and north.
+
+        Parameters
+        ----------
+        east, north, bumps : as for `height`
+        step : number or array, m
+            Distance between the vertices of the mesh: heights are filtered for it, as the GPU does. 0: as
+            fine as is known.
+
+        Returns
+        -------
+        tuple of three float64 arrays of the broadcast shape
+        """
+        e, n, step = np.broadcast_arrays(np.asarray(east, np.float64), north, step)
         shape = e.shape
         if self.pyramid is None:
-            zero = np.zeros(shape)[()]
-            return zero, zero, zero
-        e, n = e.ravel(), n.ravel()
+            return tuple(np.zeros(shape)[()] for _ in range(3))
+        e, n, step = e.ravel(), n.ravel().astype(np.float64), step.ravel().astype(np.float64)
         pyramid = self.pyramid
-        level = covering_level(pyramid, e, n)
-        level = np.clip(level, 0.0, pyramid.levels - 1.0)
+        wanted = np.log2(np.maximum(step, 1e-6) / pyramid.spacing)
+        level = np.clip(np.maximum(covering_level(pyramid, e, n), wanted), 0.0, pyramid.levels - 1.0)
         out = np.zeros((3, len(e)))
         for k in range(pyramid.levels):
             weight = np.clip(1.0 - np.abs(level - k), 0.0, 1.0)
             here = weight > 0.0
             if here.any():
                 spacing = pyramid.spacing * 2**k
-                values = spline.evaluate(
-                    pyramid.coefficients[k],
-                    e[here] / spacing + (SIZE / 2 - 0.5),
-                    n[here] / spacing + (SIZE / 2 - 0.5),
-                    slopes=True,
-                )
-                scales = (1.0, 1.0 / spacing, 1.0 / spacing)
-                out[:, here] += weight[here] * np.stack([v * s for v, s in zip(values, scales, strict=True)])
+                column, row = (x[here] / spacing + (SIZE / 2 - 0.5) for x in (e, n))
+                value, dx, dy = spline.evaluate(pyramid.coefficients[k], column, row, slopes=True)
+                out[:, here] += weight[here] * np.stack([value, dx / spacing, dy / spacing])
         if bumps:
             roughness = roughness_of_slope(np.hypot(out[1], out[2])) * land_weight(pyramid, e, n)
             for power in range(first_octave(pyramid.spacing), FINEST_DRAWN - 1, -1):
                 scale = 2.0**power
+                part = roughness * np.clip(2.0 - 4.0 * step / scale, 0.0, 1.0)
                 value, dx, dy = gradient_noise(e / scale, n / scale, self.seed + SEED + power + 16)
-                out += roughness * np.stack([value * scale, dx, dy])
+                out += part * np.stack([value * scale, dx, dy])
         return tuple(row.reshape(shape)[()] for row in out)
+
+    def drawn_height(self, east: Any, north: Any, step: Any) -> Any:
+        """Height of a vertex of the mesh, m: as `height_and_slope`, but past the map's edge it dives under the globe."""
+        assert self.pyramid is not None
+        dive = 0.1 * np.maximum(np.hypot(east, north) - 0.985 * self.pyramid.extent, 0.0)
+        return self.height_and_slope(east, north, step=step)[0] - dive
 
 
 def covering_level(pyramid: Pyramid, east, north):

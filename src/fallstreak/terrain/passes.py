@@ -31,7 +31,7 @@ TERRAIN_FRAME = Struct(
         ("bump_bound", "f32", "m, largest bump"),
         ("globe_height", "f32", "m above sea level of the sphere beyond the terrain"),
         ("map_cosine", "f32", "cosine of the angle of the terrain's round map; 2 where there is none"),
-        ("land_near", "f32", "1 where the planet near the anchor must be land"),
+        ("land_near", "f32", "1 where the planet near the anchor must be land, -1 sea"),
         ("depth", "u32", "quadtree level of the leaves"),
         ("indices", "u32", "of one node's mesh"),
         ("first_octave", "i32", "power of two of the coarsest bump's wavelength, m"),
@@ -70,6 +70,8 @@ class Terrain:
         self._edge_px = 4.0 * float(quality.terrain_error_px)
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._sees_globe = True
+        self._is_island = world.terrain.source == "file" and world.terrain.surroundings == "sea"
+        self._land_near = -1.0 if self._is_island else 1.0
         latitude = world.place.latitude_radians
         self._pole = (0.0, float(np.cos(latitude)), float(np.sin(latitude)))
         self._seed = (world.seed + SEED) & 0xFFFFFFFF
@@ -141,6 +143,7 @@ class Terrain:
             structs=[TERRAIN_FRAME],
             flags={
                 "MARS": world.terrain.material == "mars",
+                "SEA": self._is_island,
                 "CROWNS": True,
                 "PARCELS": True,
             },
@@ -219,7 +222,7 @@ class Terrain:
             bump_bound=BUMP_BOUND,
             globe_height=pyramid.outside,
             map_cosine=np.cos(0.975 * extent / radius),
-            land_near=1.0,
+            land_near=self._land_near,
             depth=LEAF_DEPTH,
             indices=6 * self._grid**2,
             first_octave=first_octave(pyramid.spacing),

@@ -94,7 +94,7 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
     surface = np.stack(
         [_surface(h, c, spacing0 * 2**k) for k, (h, c) in enumerate(zip(heights, splines, strict=True))]
     )
-    return Pyramid(extent, spacing0, splines.astype(np.float32), surface, _bounds(heights), land.outside)
+    return Pyramid(extent, spacing0, splines.astype(np.float32), surface, _bounds(splines), land.outside)
 
 
 def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.ndarray:
@@ -122,11 +122,15 @@ def _surface(heights: np.ndarray, spline: np.ndarray, spacing: float) -> np.ndar
     return np.stack([slope_east, slope_north, relief / 100.0, hollow], -1).astype(np.float16)
 
 
-def _bounds(heights: list[np.ndarray]) -> list[np.ndarray]:
-    """Lowest and highest height of every node, from all levels that cover it, with room for what filters reach."""
+def _bounds(splines: np.ndarray) -> list[np.ndarray]:
+    """Lowest and highest height of every node, from all levels that cover it, with room for what filters reach.
+
+    A B-spline lies between the least and the largest of the coefficients it is made of, so these bounds are
+    strict.
+    """
     cells = 2 ** (BOUND_LEVELS - 1)
     low, high = np.full((cells, cells), np.inf), np.full((cells, cells), -np.inf)
-    for age, h in enumerate(reversed(heights)):
+    for age, h in enumerate(reversed(splines)):
         covered = min(cells >> age, cells)
         if covered == 0:
             break

@@ -77,7 +77,7 @@ def evaluate(grid: np.ndarray, column, row, slopes: bool = False):
 
 def blur(values: np.ndarray, radius: float) -> np.ndarray:
     """Near-Gaussian mean with standard deviation ``radius`` (in samples): three box means, the edge repeated."""
-    width = max(int(round(np.sqrt(4.0 * radius * radius + 1.0))), 1) | 1
+    width = max(round(np.sqrt(4.0 * radius * radius + 1.0)), 1) | 1
     out = np.asarray(values, np.float64)
     for axis in (0, 1, 0, 1, 0, 1):
         pad = [(0, 0), (0, 0)]

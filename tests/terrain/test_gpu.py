@@ -1,0 +1,252 @@
+"""The GPU's ground against its CPU twin: nodes, vertices, no cracks, no popping."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+import fallstreak as fs
+from fallstreak.frame.gbuffer import COLOR, DEPTH, add_gbuffer
+from fallstreak.gpu import VIEW, FrameGraph
+from fallstreak.terrain.passes import Terrain
+from fallstreak.terrain.projection import map_from_world, world_from_map
+from fallstreak.terrain.selection import morphed, select_nodes
+from fallstreak.world.quality import QUALITY
+from fallstreak.world.state import (
+    CameraState,
+    FrameState,
+    camera_rotation,
+    local_axes,
+    position_on_planet,
+    view_values,
+)
+
+SIZE = (160, 90)
+#: east, north, metres above ground, heading, pitch (degrees)
+VIEWS = {
+    "eye": (0.0, 0.0, 1.7, 135.0, -5.0),
+    "down": (-5200.0, 3100.0, 30.0, 10.0, -80.0),
+    "hill": (2000.0, -4000.0, 300.0, 300.0, -12.0),
+    "border": (15_500.0, 1000.0, 1200.0, 60.0, -20.0),
+    "far": (70_000.0, 50_000.0, 400.0, 225.0, -10.0),
+    "high": (0.0, -40_000.0, 30_000.0, 0.0, -40.0),
+    "orbit": (0.0, -200_000.0, 400_000.0, 0.0, -50.0),
+}
+
+
+class Ground:
+    """The terrain's passes alone, drawn into a G-buffer."""
+
+    def __init__(self, device, scene="jacksboro", quality="low", overrides=()):
+        self.world = fs.load(scene, overrides=list(overrides))
+        self.graph = FrameGraph(device)
+        self.view = self.graph.uniform("view", VIEW)
+        add_gbuffer(self.graph, SIZE)
+        self.terrain = Terrain(device, self.graph, self.world, QUALITY[quality], SIZE)
+        self.graph.output(*COLOR, DEPTH)
+        if self.terrain.model.pyramid is not None:
+            self.graph.output("terrain.nodes", "terrain.workgroups", "terrain.heights")
+        self.graph.compile()
+
+    def state(self, east, north, above, heading, pitch, fov=50.0):
+        radius = self.world.planet.radius
+        height = above + self.world.terrain.height(east, north)
+        camera = CameraState(
+            position_on_planet(east, north, height, radius),
+            camera_rotation(np.radians(heading), np.radians(pitch), 0.0, local_axes(east, north, radius)),
+            np.radians(fov),
+        )
+        now = datetime(2025, 6, 1, tzinfo=UTC)
+        return FrameState(0, 0.0, now, 0.0, self.world.seed, SIZE, radius, camera, camera)
+
+    def draw(self, *view):
+        state = self.state(*view)
+        self.view.set(**view_values(state))
+        self.terrain.update(state)
+        self.graph.execute()
+        return state
+
+    def read(self, name):
+        return np.array(self.graph.read(name))
+
+    def nodes(self):
+        """(count, 3): x, y, level."""
+        count = self.read("terrain.workgroups").view(np.uint32)[0]
+        raw = self.read("terrain.nodes").view(np.uint32).reshape(-1, 2)[:count]
+        return np.stack([raw[:, 0] & 0xFFFF, raw[:, 0] >> 16, raw[:, 1]], 1).astype(int)
+
+
+@pytest.fixture(scope="module")
+def ground(device):
+    return Ground(device)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_nodes_are_those_of_the_twin(ground, view):
+    state = ground.draw(*VIEWS[view])
+    frame = ground.terrain.frame_values(state)
+    expected = select_nodes(
+        ground.terrain.model.pyramid,
+        frame,
+        view_values(state)["clip_from_world"],
+        state.camera.position,
+        state.planet_radius,
+    )
+    drawn, twin = ({tuple(n) for n in nodes} for nodes in (ground.nodes(), expected))
+    # float32 decides otherwise only for nodes that a plane or the horizon just touches
+    assert len(drawn) >= 1 and len(drawn ^ twin) <= 0.05 * len(twin) + 1
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_every_visible_place_belongs_to_exactly_one_node(ground, view):
+    state = ground.draw(*VIEWS[view])
+    nodes = ground.nodes()
+    extent = ground.terrain.model.pyramid.extent
+    size = 2 * extent / 2.0 ** nodes[:, 2]
+    low = nodes[:, :2] * size[:, None] - extent
+    rng = np.random.default_rng(1)
+    camera = np.array(map_from_world(state.camera.position, state.planet_radius)[:2])
+    # near and far places alike
+    distance = 10 ** rng.uniform(0, np.log10(2 * extent), 20_000)
+    angle = rng.uniform(0, 2 * np.pi, 20_000)
+    places = camera + distance[:, None] * np.stack([np.cos(angle), np.sin(angle)], 1)
+    places = places[np.hypot(*places.T) < 0.95 * extent]
+    inside = ((places[:, None] >= low) & (places[:, None] < low + size[:, None])).all(2).sum(1)
+    assert inside.max() <= 1  # no overlaps
+    seen = visible(ground, state, places)
+    assert seen.sum() > 5 and (inside[seen] == 1).all()  # no holes
+
+
+def visible(ground, state, places):
+    """Places on the ground inside the picture and, for a sphere, above the horizon."""
+    height = ground.terrain.model.height(places[:, 0], places[:, 1])
+    world = world_from_map(places[:, 0], places[:, 1], height, state.planet_radius)
+    clip = np.concatenate([world - state.camera.position, np.ones((len(world), 1))], 1)
+    clip = clip @ view_values(state)["clip_from_world"].T
+    shown = (clip[:, 3] > 0.2) & (np.abs(clip[:, :2]) < clip[:, 3:] * 0.99).all(1)
+    lowest = state.planet_radius + ground.terrain.model.pyramid.bounds[0][0, 0, 0]
+    eye, place = state.planet_radius + state.altitude, state.planet_radius + height
+    sight = np.sqrt(eye**2 - lowest**2) + np.sqrt(np.maximum(place**2 - lowest**2, 0.0))
+    return shown & (np.linalg.norm(world - state.camera.position, axis=1) < sight)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_vertex_heights_against_float64(ground, view):
+    """Stated error: 2 cm within 2 km of the camera, 0.3 m or 1e-4 of the distance beyond."""
+    state = ground.draw(*VIEWS[view])
+    frame = ground.terrain.frame_values(state)
+    nodes = ground.nodes()
+    grid = QUALITY["low"].terrain_grid
+    heights = ground.read("terrain.heights").view(np.float32).reshape(-1, (grid + 1) ** 2)
+    for slot in np.linspace(0, len(nodes) - 1, 12).astype(int):
+        moved = morphed(frame, nodes[slot], grid)
+        places = moved[:, :2] + np.array(frame["camera_map"])
+        expected = ground.terrain.model.drawn_height(places[:, 0], places[:, 1], moved[:, 2])
+        distance = np.hypot(*moved[:, :2].T)
+        allowed = np.where(distance < 2e3, 0.02, np.maximum(0.3, 1e-4 * distance))
+        assert (np.abs(heights[slot] - expected) < allowed).all()
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_depth_is_where_the_ground_is(ground, view):
+    """From depth back to a place on the map and its height: the mesh lies on the CPU's ground."""
+    state = ground.draw(*VIEWS[view])
+    depth = ground.read(DEPTH).astype(np.float64)
+    y, x = np.nonzero(depth > 0)
+    clip = np.stack(
+        [(x + 0.5) / SIZE[0] * 2 - 1, 1 - (y + 0.5) / SIZE[1] * 2, depth[y, x], np.ones(len(x))], 1
+    )
+    point = clip @ view_values(state)["world_from_clip"].T
+    point = point[:, :3] / point[:, 3:]
+    east, north, height = map_from_world(point + state.camera.position, state.planet_radius)
+    inside = np.hypot(east, north) < 0.8 * ground.terrain.model.pyramid.extent
+    distance = np.linalg.norm(point, axis=1)
+    expected = ground.terrain.model.height(east, north)
+    error = np.abs(height - expected) / np.maximum(distance, 1.0)
+    # in pixels: how far off the picture is
+    pixels = error / view_values(state)["pixel_angle"]
+    if inside.sum() > 100:
+        assert np.percentile(pixels[inside], 95) < 4.0
+        assert np.median(pixels[inside]) < 1.0
+
+
+@pytest.mark.parametrize("quality", ["low", "high"])
+def test_no_cracks(device, quality):
+    """Below the horizon there is ground in every pixel, from the grass to orbit, also where levels meet."""
+    ground = Ground(device, quality=quality)
+    for name, (east, north, above, _, pitch) in VIEWS.items():
+        for heading in (0.0, 73.0, 198.0):
+            ground.draw(east, north, above, heading, min(pitch, -35.0) - (20.0 if name == "orbit" else 0.0))
+            depth = ground.read(DEPTH)
+            # every picture looks steeply down: no pixel may see the sky
+            assert (depth > 0).all(), (name, heading, int((depth == 0).sum()))
+
+
+def test_morph_does_not_pop(ground):
+    """Where the camera's next centimetre changes the set of nodes, the picture does not change."""
+
+    def nodes_and_depth(travelled):
+        ground.draw(travelled, -1500.0, 150.0, 40.0, -25.0)
+        return {tuple(n) for n in ground.nodes()}, ground.read(DEPTH).astype(np.float64)
+
+    switches = 0
+    before, _ = nodes_and_depth(0.0)
+    for travelled in np.arange(8.0, 320.0, 8.0):
+        after, _ = nodes_and_depth(travelled)
+        if after != before and switches < 5:
+            low, high, at_low = travelled - 8.0, travelled, before
+            while high - low > 0.01:
+                middle = 0.5 * (low + high)
+                found, _ = nodes_and_depth(middle)
+                low, high = (middle, high) if found == at_low else (low, middle)
+            (a, depth_a), (b, depth_b) = nodes_and_depth(low), nodes_and_depth(high)
+            assert a != b
+            same = (depth_a > 0) & (depth_b > 0)
+            # a centimetre at 150 m is 7e-5; silhouettes move by themselves
+            change = np.abs(depth_a[same] / depth_b[same] - 1.0)
+            assert np.percentile(change, 99.5) < 4e-4
+            switches += 1
+        before = after
+    assert switches >= 3
+
+
+@pytest.mark.parametrize("altitude", [2.0, 100.0, 10e3, 400e3])
+def test_globe_ends_at_the_horizon(device, altitude):
+    globe = Ground(device, scene="orbit")
+    radius = globe.world.planet.radius
+    dip = np.degrees(np.arccos(radius / (radius + altitude)))
+    state = globe.draw(3e4, -2e4, altitude, 40.0, -dip, 20.0)
+    covered = globe.read(DEPTH)[:, SIZE[0] // 2] > 0
+    # the horizon crosses the picture's middle, within a pixel and a half
+    assert abs(np.argmax(covered) - SIZE[1] / 2) <= 1.5
+    assert covered[SIZE[1] // 2 + 2 :].all() and not covered[: SIZE[1] // 2 - 2].any()
+    bottom = globe.read(DEPTH)[-1, SIZE[0] // 2]
+    angle = np.radians(dip + 10.0 * (1 - 1 / SIZE[1]))
+    b = (radius + altitude) * np.sin(angle)
+    distance = b - np.sqrt(b * b - altitude * (2 * radius + altitude))
+    along = distance * np.cos(angle - np.radians(dip))
+    assert state.camera.near / bottom == pytest.approx(along, rel=2e-3)
+
+
+def test_static_ground_has_no_motion_for_a_still_camera(ground):
+    ground.draw(*VIEWS["hill"])
+    assert np.abs(ground.read("gbuffer.motion").astype(float)).max() < 1e-3
+
+
+@pytest.mark.parametrize("scene", ["jacksboro", "mars"])
+def test_albedo_is_natural_and_keeps_its_mean_with_distance(device, scene):
+    ground = Ground(device, scene=scene)
+    means = []
+    # the same 6 km of ground through a narrow and a wide lens: the footprint changes, the mean must not
+    for above, fov in ((4000.0, 60.0), (16_000.0, 16.4), (64_000.0, 4.1)):
+        state = ground.state(0.0, 0.0, above, 0.0, -89.9, fov)
+        ground.view.set(**view_values(state))
+        ground.terrain.update(state)
+        ground.graph.execute()
+        albedo = (ground.read("gbuffer.albedo")[..., :3].astype(float) / 255) ** 2
+        means.append(albedo.mean((0, 1)))
+    means = np.array(means)
+    assert (means > 0.01).all() and (means < 0.35).all()
+    assert (np.abs(means / means[0] - 1.0) < 0.12).all()
