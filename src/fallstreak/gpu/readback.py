@@ -63,6 +63,27 @@ class Pending:
         return self._value
 
 
+class Stacked(Pending):
+    """Read-backs of the bands of one texture, under way together: what no single buffer may hold."""
+
+    def __init__(self, parts: list[Pending]):
+        self._parts = parts
+
+    def record(self, encoder: Any) -> None:
+        """As `Pending.record`."""
+        for part in self._parts:
+            part.record(encoder)
+
+    def begin(self) -> None:
+        """As `Pending.begin`."""
+        for part in self._parts:
+            part.begin()
+
+    def result(self) -> np.ndarray:
+        """As `Pending.result`, the bands one under the other."""
+        return np.concatenate([part.result() for part in self._parts])
+
+
 class Readback:
     """Copies textures and buffers to the CPU."""
 
@@ -101,12 +122,24 @@ class Readback:
         """A copy of a texture as ([depth,] height, width[, components]); not begun yet."""
         kind, count = texel(fmt)
         w, h, d = size
+        pitch = -(-w * kind.itemsize * count // 256) * 256
+        band = self._device.limits["max-buffer-size"] // pitch
+        # The copy of a depth buffer must be whole; at WebGPU's largest size it just fits.
+        if band >= h * d or d > 1 or is_depth(fmt):
+            return self._rows(source, fmt, size, mip, 0)
+        tops = range(0, h, band)
+        return Stacked([self._rows(source, fmt, (w, min(band, h - top), 1), mip, top) for top in tops])
+
+    def _rows(self, source: Any, fmt: str, size: tuple[int, int, int], mip: int, top: int) -> Pending:
+        """A copy of `size` texels from row `top` on."""
+        kind, count = texel(fmt)
+        w, h, d = size
         row = w * kind.itemsize * count
         pitch = -(-row // 256) * 256
         total = pitch * h * d
 
         def record(encoder: Any, staging: Any) -> None:
-            where: dict[str, Any] = {"texture": source, "mip_level": mip}
+            where: dict[str, Any] = {"texture": source, "mip_level": mip, "origin": (0, top, 0)}
             if is_depth(fmt):
                 where["aspect"] = "depth-only"
             layout = {"buffer": staging, "offset": 0, "bytes_per_row": pitch, "rows_per_image": h}
