@@ -31,7 +31,7 @@ def add_bloom(
     if film.bloom <= 0:
         return None
     sizes = [size]
-    while len(sizes) <= quality.bloom_levels and min(sizes[-1]) >= 4:
+    while len(sizes) <= quality.bloom_levels and min(sizes[-1]) >= 16:
         sizes.append((sizes[-1][0] // 2, sizes[-1][1] // 2))
     levels = len(sizes) - 1
     linear = "sampler:linear-clamp"

@@ -67,7 +67,9 @@ class Pipeline:
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size)
         add_lighting(graph, world, quality, size)
-        self._resolve = Temporal(graph, size) if temporal else Accumulate(graph, size)
+        self._resolve = (
+            Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)
+        )
         self._temporal = temporal
         self.light = "frame.resolved" if temporal else "frame.accumulation"
         self.exposure = Exposure(graph, world.film, size)

@@ -1,6 +1,6 @@
 """Moving pictures: anti-aliasing over time.
 
-    temporal = Temporal(graph, size)              # frame.hdr -> frame.resolved, which keeps its history
+    temporal = Temporal(graph, size, fast=False)  # frame.hdr -> frame.resolved, which keeps its history
     temporal.update(reset=first_frame)            # each frame
     jitter = sequence_jitter(index)               # pixels, for the camera of that frame
 
@@ -19,8 +19,11 @@ from .model import halton
 
 TEMPORAL = Struct("TemporalState", [("weight", "f32", "of the new frame in the mean; 1 forgets history")])
 
-STEADY_WEIGHT = 0.1
-"""Of a new frame once there is history: about 19 frames' worth of samples in the mean."""
+STEADY_WEIGHT = 1 / 8
+"""Of a new frame once there is history: about 15 frames' worth of samples in the mean.
+
+It is reached 8 frames after a reset, no later than a sequence is warm; frames that go on from a checkpoint
+have it too."""
 
 PHASES = 16
 
@@ -34,7 +37,9 @@ def sequence_jitter(index: int) -> tuple[float, float]:
 class Temporal:
     """Temporal anti-aliasing of ``picture`` into ``frame.resolved``."""
 
-    def __init__(self, graph: FrameGraph, size: tuple[int, int], picture: str = "frame.hdr"):
+    def __init__(
+        self, graph: FrameGraph, size: tuple[int, int], picture: str = "frame.hdr", *, fast: bool = False
+    ):
         graph.texture("frame.resolved", "rgba16float", size, history=True)
         # Old enough for the steady weight: without a reset, the history was restored from a longer run.
         self._age = ceil(1.0 / STEADY_WEIGHT)
@@ -54,6 +59,7 @@ class Temporal:
                 "linear": "sampler:linear-clamp",
             },
             structs=[TEMPORAL, EXPOSURE],
+            flags={"FAST": fast},
         )
 
     def update(self, *, reset: bool = False) -> None:

@@ -3,7 +3,8 @@
     tone = ToneMap(graph, world.film, size, bits=8, bloom="frame.bloom")      # writes frame.ldr
 
 ``frame.ldr`` is rgba8unorm, or for ``bits=16`` rgba16uint, whose read-back is the uint16 array of a 16-bit
-PNG. Reads ``frame.resolved``, ``frame.exposure``, ``view`` and the bloom if it has a name. One pass.
+PNG. Reads ``frame.resolved``, ``frame.exposure``, ``view`` and the bloom if it has a name. One pass, in one
+form by day and another by night.
 """
 
 from __future__ import annotations
@@ -50,27 +51,47 @@ class ToneMap:
         picture: str = "frame.resolved",
         bloom: str | None = None,
     ):
-        graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size)
+        graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size, persistent=True)
         self._uniform = graph.uniform("frame.film", FILM)
         self._uniform.set(bloom=film.bloom, dither=1 / (2**bits - 1) if film.dither else 0.0)
-        graph.fullscreen(
-            "frame.tonemap",
-            "package::frame::tonemap",
-            color=["frame.ldr"],
-            bind={
-                "view": "view",
-                "film": "frame.film",
-                "picture": picture,
-                "exposure": "frame.exposure",
-                "bloom": bloom or "",
-                "linear": "sampler:linear-clamp",
-            },
-            structs=[EXPOSURE, FILM],
-            flags={
-                "AGX": film.tone_map == "agx",
-                "NEUTRAL": film.tone_map == "neutral",
-                "BLOOM": bloom is not None,
-                "NIGHT_VISION": film.night_vision,
-                "DEEP": bits == 16,
-            },
-        )
+        flags = {
+            "AGX": film.tone_map == "agx",
+            "NEUTRAL": film.tone_map == "neutral",
+            "BLOOM": bloom is not None,
+            "DEEP": bits == 16,
+        }
+        forms = {"frame.tonemap": (False, None)}
+        if film.night_vision:
+            # two forms, for a software adapter would do the eye's work by day too
+            forms = {
+                "frame.tonemap": (False, lambda: not _dark(graph)),
+                "frame.tonemap.night": (True, lambda: _dark(graph)),
+            }
+        for name, (night, when) in forms.items():
+            graph.fullscreen(
+                name,
+                "package::frame::tonemap",
+                color=["frame.ldr"],
+                bind={
+                    "view": "view",
+                    "film": "frame.film",
+                    "picture": picture,
+                    "exposure": "frame.exposure",
+                    "bloom": bloom or "",
+                    "linear": "sampler:linear-clamp",
+                },
+                structs=[EXPOSURE, FILM],
+                flags={**flags, "NIGHT_VISION": night},
+                when=when,
+                # the first frame of a graph runs all passes, but only one form may draw
+                vertices=3 if when is None else lambda when=when: 3 if when() else 0,
+            )
+
+
+def _dark(graph: FrameGraph) -> bool:
+    """Whether anything in the picture may be dark enough for the eye's rods: the sun lower than 5 degrees."""
+    light = graph.uniforms.get("sky.light")
+    if light is None:
+        return True
+    up, sun = graph.uniforms["view"].record["up"], light.record["sun_direction"]
+    return float(up @ sun) < 0.087
