@@ -41,7 +41,7 @@ def distance_to_ground(air: Air, altitude: ArrayLike, mu: ArrayLike) -> Array:
     legs = h * (2.0 * air.planet_radius + h)
     inside = (r * mu) ** 2 - legs
     hit = (mu < 0.0) & (inside >= 0.0)
-    return np.where(hit, legs / (-r * mu + np.sqrt(np.maximum(inside, 0.0)) + 1e-300), np.inf)
+    return np.where(hit, legs / np.maximum(-r * mu + np.sqrt(np.maximum(inside, 0.0)), 1e-3), np.inf)
 
 
 def span_in_air(air: Air, altitude: ArrayLike, mu: ArrayLike) -> tuple[Array, Array]:
@@ -51,8 +51,8 @@ def span_in_air(air: Air, altitude: ArrayLike, mu: ArrayLike) -> tuple[Array, Ar
     above = (h - air.top_height) * (r + top)  # r² - top²
     inside = (r * mu) ** 2 - above
     root = np.sqrt(np.maximum(inside, 0.0))
-    leave = np.where(mu > 0.0, -above / (r * np.abs(mu) + root + 1e-300), -r * mu + root)
-    enter = np.where(above > 0.0, above / (-r * np.minimum(mu, 0.0) + root + 1e-300), 0.0)
+    leave = np.where(mu > 0.0, -above / np.maximum(r * np.abs(mu) + root, 1e-3), -r * mu + root)
+    enter = np.where(above > 0.0, above / np.maximum(-r * np.minimum(mu, 0.0) + root, 1e-3), 0.0)
     met = (inside > 0.0) & ((above <= 0.0) | (mu < 0.0))
     return np.where(met, enter, 0.0), np.where(met, np.maximum(leave, 0.0), 0.0)
 
