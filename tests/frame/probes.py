@@ -32,7 +32,7 @@ def evaluate(device, entry, values, *, flags=None, constants=None):
         bind={"input": "input", "output": "output"},
         groups=(len(padded) // 64, 1, 1),
         flags={name: False for name in FLAGS} | (flags or {}),
-        constants={**defaults, "SQUARE": 24.0, **(constants or {})},
+        constants={**defaults, "SQUARE": 24.0, "LOOK": (1.0, 1.0), **(constants or {})},
     )
     graph.output("output")
     graph.compile()

@@ -59,6 +59,14 @@ def test_the_shader_equals_the_model(device, name):
     assert np.abs(got - expected).max() < 1e-3
 
 
+@pytest.mark.parametrize("look", ["medium", "punchy"])
+def test_looks(device, look):
+    values = colours()
+    got = evaluate(device, "tones", values, flags={"AGX": True}, constants={"LOOK": model.AGX_LOOKS[look]})
+    assert np.abs(got[:, :3] - model.agx(values, look)).max() < 1e-3
+    assert model.agx(np.full(3, 0.18), "medium") == pytest.approx(0.18, abs=0.01)
+
+
 def test_night_takes_colour_from_the_dark_only(device):
     values = colours() * 2.0 ** np.random.default_rng(3).uniform(-10, 4, (4000, 1))
     expected = model.night_vision(values)
@@ -78,7 +86,7 @@ def develop(device, data, bits=8, **film):
     """A picture whose 1.0 is the sensor's saturation, through the film."""
     graph = new_graph(device)
     size = picture(graph, data, "frame.resolved")
-    film = Film(exposure="fixed", ev100=14.0, **film)
+    film = Film(exposure="fixed", ev100=14.0, look="base", **film)
     add_exposure_buffer(graph)
     exposure = Exposure(graph, film, size)
     ToneMap(graph, film, size, bits=bits)

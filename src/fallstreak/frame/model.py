@@ -52,12 +52,14 @@ def ggx_specular(
 ) -> Array:
     """GGX microfacet reflection in 1/sr: height-correlated Smith masking, Schlick's Fresnel.
 
-    Walter et al. 2007; Heitz 2014 (masking); Schlick 1994. `alpha` = perceptual roughness squared.
+    Walter et al. 2007; Heitz 2014 (masking); Schlick 1994. `alpha` = perceptual roughness squared. Below
+    0.02, `f0` stands for hollows that swallow light, at grazing angles too (Lagarde, de Rousiers 2014: 50
+    f0 there).
     """
     n_l, n_v, n_h, v_h = (np.asarray(x, float) for x in (n_l, n_v, n_h, v_h))
     d = alpha**2 / (np.pi * (n_h**2 * (alpha**2 - 1) + 1) ** 2)
     g = 1 / (1 + smith_lambda(n_l, alpha) + smith_lambda(n_v, alpha))
-    f = f0 + (1 - f0) * (1 - v_h) ** 5
+    f = f0 + (min(50 * f0, 1) - f0) * (1 - v_h) ** 5
     return d * g * f / (4 * n_l * n_v)
 
 
@@ -199,15 +201,22 @@ def agx_curve(x: ArrayLike) -> Array:
     return np.where(d < 0, limb(pivot, 3.0), limb(1 - pivot, 3.25))
 
 
-def agx(colour: ArrayLike) -> Array:
-    """Scene-linear colour (0.18 = middle grey) to display-linear 0..1, Troy Sobotka's AgX with the base
-    look.
-    """
+AGX_LOOKS = {"base": (1.0, 1.0), "medium": (1.15, 1.2), "punchy": (1.35, 1.4)}
+"""Power and saturation applied to AgX's signal; base and punchy are Sobotka's, medium keeps middle grey
+at 0.18.
+"""
+
+
+def agx(colour: ArrayLike, look: str = "base") -> Array:
+    """Scene-linear colour (0.18 = middle grey) to display-linear 0..1: Troy Sobotka's AgX."""
+    power, saturation = AGX_LOOKS[look]
     inset = np.maximum(np.asarray(colour, float), 0) @ AGX_INSET.T
     stops = np.log2(np.maximum(inset, 1e-10) / 0.18)
     x = np.clip((stops + AGX_STOPS_BELOW) / (AGX_STOPS_BELOW + AGX_STOPS_ABOVE), 0, 1)
-    # the curve's result is a display signal of gamma 2.2; the outset is undone in that signal, as AgX does
-    signal = np.clip(agx_curve(x) @ np.linalg.inv(AGX_INSET).T, 0, 1)
+    # the curve's result is a display signal of gamma 2.2; look and outset act in that signal, as AgX does
+    signal = agx_curve(x) ** power
+    grey = (signal @ LUMINANCE)[..., None]
+    signal = np.clip((grey + saturation * (signal - grey)) @ np.linalg.inv(AGX_INSET).T, 0, 1)
     return signal**2.2
 
 

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Literal
 
 from fallstreak.gpu import EXPOSURE, FrameGraph, Struct
 
+from . import model
+
 if TYPE_CHECKING:
     from fallstreak.world import Film
 
@@ -21,6 +23,8 @@ FILM = Struct(
     [
         ("bloom", "f32", "share of the light that the lens spreads"),
         ("dither", "f32", "amplitude of the triangular noise, one code value or 0"),
+        ("power", "f32", "of AgX's look: contrast"),
+        ("saturation", "f32", "of AgX's look"),
     ],
 )
 
@@ -33,7 +37,7 @@ class ToneMap:
     graph : FrameGraph
         In which ``view``, ``picture``, ``frame.exposure`` and the bloom are declared.
     film : Film
-        The world's; its tone_map, bloom, dither and night_vision count.
+        The world's; its tone_map, look, bloom, dither and night_vision count.
     size : (int, int)
     bits : 8 or 16
         Per channel of ``frame.ldr``.
@@ -53,7 +57,9 @@ class ToneMap:
     ):
         graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size, persistent=True)
         self._uniform = graph.uniform("frame.film", FILM)
-        self._uniform.set(bloom=film.bloom, dither=1 / (2**bits - 1) if film.dither else 0.0)
+        power, saturation = model.AGX_LOOKS[film.look]
+        dither = 1 / (2**bits - 1) if film.dither else 0.0
+        self._uniform.set(bloom=film.bloom, dither=dither, power=power, saturation=saturation)
         flags = {
             "AGX": film.tone_map == "agx",
             "NEUTRAL": film.tone_map == "neutral",

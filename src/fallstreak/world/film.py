@@ -30,6 +30,9 @@ class Film(Section):
     tone_map: Literal["agx", "neutral", "none"] = choice(
         "agx", doc="agx: filmic, Blender's; neutral: Khronos PBR neutral, keeps colours; none: clips."
     )
+    look: Literal["base", "medium", "punchy"] = choice(
+        "medium", doc="Contrast and saturation of agx, from soft to strong; other tone maps have none."
+    )
     bloom: Number = quantity(
         0.04, ge=0.0, le=1.0, doc="Share of the light that the lens spreads over the picture."
     )
