@@ -58,7 +58,7 @@ def test_query_answers_numbers_and_arrays(jacksboro):
 
 
 def test_no_step_anywhere_along_the_way_out(model):
-    """Across the file's border, every join of levels, the fade into the globe: no slope that the land lacks."""
+    """Across the file's border, joins of levels, the fade into the globe: no slope that the land lacks."""
     for angle in np.linspace(0.0, 2 * np.pi, 7)[:-1]:
         d = np.arange(0.0, 165e3, 10.0)
         h = model.height(d * np.cos(angle), d * np.sin(angle), bumps=False)
@@ -162,7 +162,7 @@ def test_spline_interpolates_and_derives():
     j, i = np.meshgrid(np.arange(2, 22), np.arange(2, 18))
     assert np.abs(spline.evaluate(c, j, i) - grid[2:18, 2:22]).max() < 1e-9
     x, y = rng.uniform(3, 15, (2, 100))
-    _, dx, dy = spline.evaluate(c, x, y, slopes=True)
+    _, dx, dy = spline.evaluate_with_slopes(c, x, y)
     assert (
         np.abs((spline.evaluate(c, x + 1e-5, y) - spline.evaluate(c, x - 1e-5, y)) / 2e-5 - dx).max() < 1e-6
     )

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..noise.gradient import gradient_noise, hash_lattice
-from .elevation import ElevationGrid
+from ..noise.gradient import gradient_value, hash_lattice
+from .elevation import ElevationGrid, bilinear
 from .spline import blur, coefficients, evaluate
 
 _SHARPNESS = 3.0  # exponent of the triangle weights: 1 mixes everywhere, ∞ cuts
@@ -111,7 +111,7 @@ class FileLand:
         scale = 0.5**level
         return evaluate(self.splines[level], (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
 
-    # ---- the invented part -----------------------------------------------------------------------------------
+    # ---- the invented part ----
 
     def _prepare(self, heights: np.ndarray) -> None:
         probability = (np.arange(1024) + 0.5) / 1024
@@ -122,7 +122,7 @@ class FileLand:
         cumulative = np.cumsum(np.exp(-0.5 * x * x))
         self._scores = np.interp(probability, cumulative / cumulative[-1], x)
         normal = self._normal(heights)
-        self._normal_levels = [coefficients(self._normal(level)) for level in self.levels]
+        self._normal_levels = [coefficients(normal), *(self._normal(level) for level in self.levels[1:])]
         self.edge = 0.24 * self.size  # of the triangles
         self._region = blur(normal, 0.5 * self.edge / self.native)
         self._region_spread = max(float(self._region.std()), 1e-3)
@@ -147,7 +147,6 @@ class FileLand:
         raw = [w**_SHARPNESS for _, _, w in corners]
         total = sum(raw)
         value, square = np.zeros(east.shape), np.zeros(east.shape)
-        spline = self._normal_levels[level]
         scale = 0.5**level
         low = int(min(c[0].min() for c in corners)), int(min(c[1].min() for c in corners))
         high = int(max(c[0].max() for c in corners)), int(max(c[1].max() for c in corners))
@@ -159,12 +158,18 @@ class FileLand:
             dn = north - kv * self.edge * np.sqrt(0.75)
             column = piece[..., 0] + (piece[..., 2] * de - piece[..., 3] * dn) / self.pitch[0]
             row = piece[..., 1] + (piece[..., 3] * de + piece[..., 2] * dn) / self.pitch[1]
-            value += w * evaluate(spline, (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
+            value += w * self._piece(level, (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
             square += w * w
         return value, square
 
+    def _piece(self, level, column, row):
+        # Far out, where texels are coarser than the model's samples, straight lines between them will do.
+        if level:
+            return bilinear(self._normal_levels[level], column, row)
+        return evaluate(self._normal_levels[0], column, row)
+
     def _piece_table(self, low, high) -> np.ndarray:
-        """For every lattice point: column and row of its piece's centre in the model, cosine and sine of its turn."""
+        """For every lattice point: its piece's centre (column, row) and the cosine and sine of its turn."""
         ku, kv = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
         rows, columns = self.levels[0].shape
         east = (ku + 0.5 * kv) * self.edge
@@ -174,7 +179,7 @@ class FileLand:
         c, r = np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)
         outside = np.hypot((column - c) * self.pitch[0], (row - r) * self.pitch[1])
         memory = np.exp(-outside / _MEMORY)
-        noise = 4.0 * gradient_noise(east / _REGION, north / _REGION, self.seed + 17)[0] * self._region_spread
+        noise = 4.0 * gradient_value(east / _REGION, north / _REGION, self.seed + 17) * self._region_spread
         wanted = memory * self._region[r.astype(int), c.astype(int)] + np.sqrt(1.0 - memory**2) * noise
         margin_c = min(self.edge / self.pitch[0], 0.5 * columns - 1.0)
         margin_r = min(self.edge / self.pitch[1], 0.5 * rows - 1.0)

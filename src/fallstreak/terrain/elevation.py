@@ -2,13 +2,13 @@
 
 Accepted:
 
-- ``.npz`` with the heights under ``elevation`` (or ``heights``, ``topo``, ``z``) and, in degrees, either the outer
-  edges ``xmin xmax ymin ymax`` (or ``west east south north``) or the sample positions ``longitude`` and
+- ``.npz`` with the heights under ``elevation`` (or ``heights``, ``topo``, ``z``) and, in degrees, either the
+  outer edges ``xmin xmax ymin ymax`` (or ``west east south north``) or the sample positions ``longitude`` and
   ``latitude`` (1-D). With edges the first row is the northern one, as in a picture, whichever of ymin and
   ymax is larger: matplotlib's sample writes the top as ymin. ``crs = "metres"`` says that x and y are metres
   east and north of the anchor instead of degrees. ``nodata`` names a value that means "unknown".
-- GeoTIFF (extra ``geotiff``): ModelPixelScale and ModelTiepoint, geographic (EPSG:4326 and the like) or UTM on WGS84
-  (EPSG:326xx, 327xx).
+- GeoTIFF (extra ``geotiff``): ModelPixelScale and ModelTiepoint, geographic (EPSG:4326 and the like) or UTM
+  on WGS84 (EPSG:326xx, 327xx).
 
 Heights are metres above sea level. Unknown samples (nodata, NaN, below −12 km or above 30 km) are filled from
 their surroundings.
@@ -19,6 +19,7 @@ from __future__ import annotations
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class ElevationGrid:
     heights: np.ndarray
     x: tuple[float, float]
     y: tuple[float, float]
-    crs: object
+    crs: Any
     name: str
 
     def pixels(self, east, north, place, radius: float):
@@ -55,7 +56,7 @@ class ElevationGrid:
         else:
             latitude, longitude = geographic_from_map(east, north, place, radius)
             if self.crs == "geographic":
-                # the same meridian may be written 275 or -85: take the turn that is nearest to the file's middle
+                # one meridian may be written 275 or -85: take the turn nearest to the file's middle
                 middle = self.x[0] + 0.5 * self.x[1] * self.heights.shape[1]
                 x, y = longitude - 360.0 * np.round((longitude - middle) / 360.0), latitude
             else:
@@ -118,7 +119,8 @@ def _read_npz(path: Path) -> ElevationGrid:
     key = next((k for k in _HEIGHT_KEYS if k in data), None)
     if key is None:
         raise WorldError(
-            f"{path}: no heights; one of the keys {', '.join(_HEIGHT_KEYS)} is needed, found {', '.join(data) or 'none'}"
+            f"{path}: no heights; one of the keys {', '.join(_HEIGHT_KEYS)} is needed, "
+            f"found {', '.join(data) or 'none'}"
         )
     heights = data[key]
     nodata = _number(path, data, "nodata") if "nodata" in data else None
@@ -159,7 +161,7 @@ def _check_degrees(path, x, columns, y, rows) -> None:
     north, south = max(y[0], y[0] + y[1] * (rows - 1)), min(y[0], y[0] + y[1] * (rows - 1))
     if south < -90.0 or north > 90.0 or abs(x[0]) > 540.0 or abs(x[1]) * columns > 360.5:
         raise WorldError(
-            f"{path}: latitude {south:.6g}..{north:.6g}, longitude from {x[0]:.6g} by {x[1]:.6g} are no degrees; "
+            f"{path}: latitude {south:.6g}..{north:.6g}, longitude {x[0]:.6g} by {x[1]:.6g} are no degrees; "
             'projected metres need crs = "metres"'
         )
 
@@ -191,7 +193,8 @@ def checked_heights(path: Path, key: str, heights: np.ndarray, nodata: float | N
     """Any 2-D numeric array → float32 without unknowns; WorldError when it is no such array."""
     if heights.ndim != 2 or min(heights.shape) < 4 or heights.dtype.kind not in "iuf":
         raise WorldError(
-            f"{path}: {key} must be a 2-D array of numbers, at least 4 × 4; it is {heights.dtype} of shape {heights.shape}"
+            f"{path}: {key} must be a 2-D array of numbers, at least 4 × 4; "
+            f"it is {heights.dtype} of shape {heights.shape}"
         )
     if heights.size > _LARGEST:
         raise WorldError(f"{path}: {key} has {heights.size:,} samples; at most {_LARGEST:,} are read")
@@ -205,7 +208,7 @@ def checked_heights(path: Path, key: str, heights: np.ndarray, nodata: float | N
 
 
 def fill_voids(values: np.ndarray, unknown: np.ndarray) -> np.ndarray:
-    """Fill unknown samples smoothly: averages of ever coarser neighbourhoods (push-pull, Gortler et al. 1996)."""
+    """Fill unknown samples by means of ever coarser neighbourhoods (push-pull, Gortler et al. 1996)."""
     weight = (~unknown).astype(np.float32)
     total = np.where(unknown, 0.0, values).astype(np.float32)
     if min(values.shape) <= 1 or not unknown.any():

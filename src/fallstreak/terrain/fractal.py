@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..noise.gradient import gradient_noise
+from ..noise.gradient import gradient_value
 
 
 class FractalLand:
@@ -34,69 +34,73 @@ class FractalLand:
         self.gain = 0.38 + 0.22 * roughness
         self.octaves, self.exaggeration, self.seed = octaves, exaggeration, seed
         self.dry, self.extent = dry, extent
-        self.native = 100.0
+        self.native = 150.0
         self.outside = base_height * exaggeration
-        self._craters = _craters(seed, extent) if dry else np.zeros((0, 4))
+        craters = _craters(seed, extent) if dry else np.zeros((0, 4))
+        # the ground that each one hits, as a coarse eye sees it
+        ground = self._hills(craters[:, 0], craters[:, 1], self.feature / 8.0)[0]
+        self._craters = np.concatenate([craters, ground[:, None]], 1)
 
     def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Heights (m) on the grid of two ascending, evenly spaced axes, (len(north), len(east)) float64."""
         spacing = float(east[1] - east[0])
-        e, n = np.meshgrid(east / self.feature, north / self.feature)
-        warp_e = gradient_noise(0.7 * e, 0.7 * n, self.seed + 901)[0]
-        warp_n = gradient_noise(0.7 * e, 0.7 * n, self.seed + 902)[0]
+        e, n = np.meshgrid(east, north)
+        height, mountains = self._hills(e, n, spacing)
+        if self.dry:
+            height += self._dunes(e, n, spacing, mountains)
+            height = self._add_craters(height, east, north, spacing)
+        return (self.base + height) * self.exaggeration
+
+    def _hills(self, east, north, spacing):
+        """Height above the base (m) and how mountainous it is (0..1), at any places."""
+        e, n = east / self.feature, north / self.feature
+        warp_e = gradient_value(0.7 * e, 0.7 * n, self.seed + 901)
+        warp_n = gradient_value(0.7 * e, 0.7 * n, self.seed + 902)
         e, n = e + 0.9 * warp_e, n + 0.9 * warp_n
         # where the ranges are: 0 plains, 1 mountains
-        region = (
-            gradient_noise(0.22 * e, 0.22 * n, self.seed + 903)[0]
-            + 0.5 * gradient_noise(0.5 * e, 0.5 * n, self.seed + 904)[0]
-        )
+        region = gradient_value(0.22 * e, 0.22 * n, self.seed + 903)
+        region += 0.5 * gradient_value(0.5 * e, 0.5 * n, self.seed + 904)
         mountains = _smoothstep(region, -0.25, 0.4)
         total, weight, amplitude, norm = np.zeros(e.shape), np.ones(e.shape), 1.0, 0.0
         for octave in range(self.octaves):
             scale = 2.0**octave
             if self.feature / scale < 2.0 * spacing:
                 break
-            noise = gradient_noise(e * scale, n * scale, self.seed + octave)[0]
-            if self.dry:
-                signal = 0.5 + noise
-            else:
-                signal = (1.0 - np.minimum(np.abs(2.4 * noise), 1.0)) ** 2
+            noise = gradient_value(e * scale, n * scale, self.seed + octave)
+            signal = 0.5 + noise if self.dry else (1.0 - np.minimum(np.abs(2.4 * noise), 1.0)) ** 2
             total += amplitude * weight * signal
             norm += amplitude
-            weight = np.clip(weight * signal * 1.9, 0.0, 1.0) if octave else np.clip(0.25 + signal, 0.0, 1.0)
+            weight = np.clip(weight * signal * 1.9 if octave else 0.25 + signal, 0.0, 1.0)
             amplitude *= self.gain
         total /= max(norm, 1e-9)
-        height = self.relief * (1.25 * (total - 0.25) * (0.12 + 0.88 * mountains) + 0.25 * (mountains - 0.4))
-        if self.dry:
-            height += self._dunes(east, north, spacing, mountains)
-            self._add_craters(height, east, north, spacing)
-        return (self.base + height) * self.exaggeration
+        shape = 1.25 * (total - 0.25) * (0.12 + 0.88 * mountains) + 0.25 * (mountains - 0.4)
+        return self.relief * shape, mountains
 
     def _dunes(self, east, north, spacing, mountains):
-        """Transverse dunes, 700 m apart, on the plains: gentle to the wind (from the west), steep in the lee."""
-        e, n = np.meshgrid(east, north)
+        """Transverse dunes on the plains, 700 m apart: gentle to the west wind, steep in the lee."""
         if spacing > 250.0:
             return 0.0
-        bend = 500.0 * gradient_noise(e / 3000.0, n / 3000.0, self.seed + 910)[0]
-        phase = (e + 0.35 * n + bend) / 700.0 + 0.35 * gradient_noise(e / 900.0, n / 900.0, self.seed + 911)[
-            0
-        ]
+        bend = 500.0 * gradient_value(east / 3000.0, north / 3000.0, self.seed + 910)
+        wobble = gradient_value(east / 900.0, north / 900.0, self.seed + 911)
+        phase = (east + 0.35 * north + bend) / 700.0 + 0.35 * wobble
         f = phase - np.floor(phase)
         shape = np.where(f < 0.7, _smoothstep(f, 0.0, 0.7), _smoothstep(1.0 - f, 0.0, 0.3))
-        field = _smoothstep(gradient_noise(e / 15e3, n / 15e3, self.seed + 912)[0], 0.0, 0.3) * (
-            1.0 - mountains
-        )
-        return 28.0 * shape * field
+        field = _smoothstep(gradient_value(east / 15e3, north / 15e3, self.seed + 912), 0.0, 0.3)
+        return 28.0 * shape * field * (1.0 - mountains)
 
-    def _add_craters(self, height, east, north, spacing) -> None:
-        for x, y, diameter, freshness in self._craters:
-            if diameter < 3.0 * spacing:
-                continue
+    def _add_craters(self, height, east, north, spacing):
+        # A crater lies in the mean of what it hit, not in every hill: it takes the hills away as it comes.
+        hills, remaining, out = height, np.ones(height.shape), height.copy()
+        x, y, diameter = self._craters[:, :3].T
+        near = (diameter >= 3.0 * spacing) & (np.abs(x - east.mean()) < 1.25 * diameter + 0.5 * np.ptp(east))
+        near &= np.abs(y - north.mean()) < 1.25 * diameter + 0.5 * np.ptp(north)
+        for x, y, diameter, freshness, ground in self._craters[near]:
             reach = 1.25 * diameter
             j0, j1 = np.searchsorted(east, (x - reach, x + reach))
             i0, i1 = np.searchsorted(north, (y - reach, y + reach))
             if j0 == j1 or i0 == i1:
                 continue
+            window = slice(i0, i1), slice(j0, j1)
             r = np.hypot(east[None, j0:j1] - x, north[i0:i1, None] - y) / (0.5 * diameter)
             depth = 0.16 * diameter if diameter < 7e3 else 0.16 * 7e3 * (diameter / 7e3) ** 0.3
             depth *= freshness
@@ -105,14 +109,17 @@ class FractalLand:
             if diameter > 7e3:
                 bowl = np.maximum(bowl, -0.75 * depth)
             outer = rim * np.maximum(r, 1.0) ** -3 * _smoothstep(2.5 - r, 0.0, 1.0)
-            patch = height[i0:i1, j0:j1]
-            # the bowl lies in the mean of what it hit, not in every little hill
-            flat = _smoothstep(1.2 - r, 0.0, 0.5) * 0.7
-            patch += flat * (patch.mean() - patch) + np.where(r < 1.0, bowl, outer)
+            flat = _smoothstep(1.2 - r, 0.0, 0.5) * 0.7 * remaining[window]
+            out[window] += flat * (ground - hills[window]) + np.where(r < 1.0, bowl, outer)
+            remaining[window] -= flat
+        return out
 
 
 def _craters(seed: int, extent: float) -> np.ndarray:
-    """(count, 4): east, north, diameter in m, freshness 0.25..1 (wind fills them); largest first so that the young small ones lie on the old."""
+    """(count, 4): east, north, diameter in m, freshness 0.25..1 (wind fills them).
+
+    Largest first, so that the young small ones lie on the old.
+    """
     rng = np.random.default_rng([seed & 0xFFFFFFFF, 77])
     count = int(min(4000, 2600 * (extent / 160e3) ** 2 + 40))
     diameter = 450.0 * rng.uniform(2e-4, 1.0, count) ** -0.5

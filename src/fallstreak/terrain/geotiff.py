@@ -24,7 +24,7 @@ def read_geotiff(path: Path) -> ElevationGrid:
         ) from None
     try:
         with tifffile.TiffFile(path) as tiff:
-            page = tiff.pages[0]
+            page = tiff.pages.first
             tags = {tag.code: tag.value for tag in page.tags.values()}
             if int(np.prod(page.shape)) > _LARGEST:
                 raise WorldError(f"{path}: {page.shape} samples; at most {_LARGEST:,} are read")
@@ -64,7 +64,7 @@ def _crs(path: Path, keys: dict[int, int]):
         if base < code <= base + 60 and keys.get(_UNIT_LINEAR, 9001) == 9001:
             return ("utm", code - base, south)
     raise WorldError(
-        f"{path}: projection EPSG:{code or '?'} is not read; allowed are geographic degrees (EPSG:4326) and UTM on WGS84 "
+        f"{path}: projection EPSG:{code or '?'} is not read; allowed are degrees (EPSG:4326), UTM on WGS84 "
         "(EPSG:32601-32660, 32701-32760): gdalwarp -t_srs EPSG:4326 in.tif out.tif"
     )
 

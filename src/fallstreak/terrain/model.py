@@ -1,4 +1,4 @@
-"""The ground on the CPU, float64: the height that the GPU draws near the camera, and what the passes are built from."""
+"""The ground on the CPU, float64: the height that the GPU draws, and what the passes are built from."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHIPPED = ("jacksboro",)
 
 # heights.wesl and detail.wesl
 BORDER = (0.8, 0.95)
-COARSEST, FINEST_DRAWN = 6, 2
+COARSEST, FINEST_DRAWN = 7, 2
 LEAF_DEPTH = 14  # of the quadtree
 SEED = 101  # added to the world's seed for the bumps
 
@@ -50,7 +50,7 @@ class TerrainModel:
         ----------
         east, north : numbers or arrays that broadcast together, metres on the map
         bumps : bool
-            With the small bumps that are drawn near the camera (wavelengths 64 to 4 m).
+            With the small bumps that are drawn near the camera (wavelengths 128 to 4 m).
 
         Returns
         -------
@@ -87,7 +87,7 @@ class TerrainModel:
             if here.any():
                 spacing = pyramid.spacing * 2**k
                 column, row = (x[here] / spacing + (SIZE / 2 - 0.5) for x in (e, n))
-                value, dx, dy = spline.evaluate(pyramid.coefficients[k], column, row, slopes=True)
+                value, dx, dy = spline.evaluate_with_slopes(pyramid.coefficients[k], column, row)
                 out[:, here] += weight[here] * np.stack([value, dx / spacing, dy / spacing])
         if bumps:
             roughness = roughness_of_slope(np.hypot(out[1], out[2])) * land_weight(pyramid, e, n)
@@ -99,7 +99,7 @@ class TerrainModel:
         return tuple(row.reshape(shape)[()] for row in out)
 
     def drawn_height(self, east: Any, north: Any, step: Any) -> Any:
-        """Height of a vertex of the mesh, m: as `height_and_slope`, but past the map's edge it dives under the globe."""
+        """Height of a vertex of the mesh, m: past the map's edge it dives under the globe."""
         assert self.pyramid is not None
         dive = 0.1 * np.maximum(np.hypot(east, north) - 0.985 * self.pyramid.extent, 0.0)
         return self.height_and_slope(east, north, step=step)[0] - dive
@@ -125,7 +125,7 @@ def land_weight(pyramid: Pyramid, east, north):
 
 
 def first_octave(spacing: float) -> int:
-    """The coarsest bump: what the levels cannot hold, at most 64 m."""
+    """The coarsest bump: what the levels cannot hold, at most 128 m."""
     return int(min(COARSEST, np.floor(np.log2(1.5 * spacing))))
 
 
@@ -133,9 +133,10 @@ def shipped_path(name: str) -> Path:
     """Path of a shipped elevation model; WorldError for an unknown name."""
     if name not in SHIPPED:
         raise WorldError(
-            f'terrain.file is "{name[:60]}"; allowed are the shipped models ({", ".join(SHIPPED)}) or a path to a .npz or .tif'
+            f'terrain.file is "{name[:60]}"; allowed are the shipped '
+            f"models ({', '.join(SHIPPED)}) or a path to a .npz or .tif"
         )
-    with as_file(files(__package__) / "data" / f"{name}.npz") as path:
+    with as_file(files("fallstreak.terrain") / "data" / f"{name}.npz") as path:
         return path
 
 
@@ -182,12 +183,13 @@ def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> Non
     nearest = float(np.hypot(east, north).min())
     if nearest > extent:
         raise WorldError(
-            f"{grid.name}: the elevations lie {nearest / 1e3:,.0f} km from place (latitude {place[0]:g}, longitude "
-            f"{place[1]:g}), beyond terrain.extent of {extent / 1e3:g} km: set place to a point in the file"
+            f"{grid.name}: the elevations lie {nearest / 1e3:,.0f} km from place (latitude {place[0]:g}, "
+            f"longitude {place[1]:g}), beyond terrain.extent of {extent / 1e3:g} km: "
+            "set place to a point in the file"
         )
 
 
 def height_query(world: Any, east: Any, north: Any) -> Any:
-    """`world.terrain.height(east, north)`: metres above sea level, bumps included; see `TerrainModel.height`."""
+    """`world.terrain.height(east, north)`: metres above sea level with bumps, see `TerrainModel.height`."""
     out = terrain_model(world).height(east, north)
     return float(out) if np.ndim(out) == 0 else out

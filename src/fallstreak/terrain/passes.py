@@ -8,7 +8,7 @@ import numpy as np
 
 from ..gpu import Device, FrameGraph, Struct
 from ..world.state import FrameState, map_coordinates
-from .model import COARSEST, LEAF_DEPTH, SEED, TerrainModel, first_octave, terrain_model
+from .model import LEAF_DEPTH, SEED, TerrainModel, first_octave, terrain_model
 from .pyramid import SIZE
 
 TERRAIN_FRAME = Struct(
@@ -34,7 +34,6 @@ TERRAIN_FRAME = Struct(
         ("land_near", "f32", "1 where the planet near the anchor must be land, -1 sea"),
         ("depth", "u32", "quadtree level of the leaves"),
         ("indices", "u32", "of one node's mesh"),
-        ("first_octave", "i32", "power of two of the coarsest bump's wavelength, m"),
         ("seed", "u32", "of all noise here"),
     ],
 )
@@ -121,7 +120,7 @@ class Terrain:
             },
             groups="terrain.workgroups",
             structs=[TERRAIN_FRAME],
-            constants={"GRID": self._grid},
+            constants={"GRID": self._grid, "FIRST_OCTAVE": first_octave(pyramid.spacing)},
         )
         graph.render(
             "terrain.gbuffer",
@@ -149,6 +148,7 @@ class Terrain:
             },
             constants={
                 "GRID": self._grid,
+                "FIRST_OCTAVE": first_octave(pyramid.spacing),
                 "NORMAL_FINEST": quality.terrain_bump_finest,
                 "GROUND_FINEST": quality.terrain_bump_finest - 3,
                 "SURFACE_KIND": surface,
@@ -218,24 +218,24 @@ class Terrain:
             range=max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
             spacing=pyramid.spacing,
             levels=pyramid.levels,
-            lowest=self._lowest - BUMP_BOUND,
-            bump_bound=BUMP_BOUND,
+            lowest=self._lowest - bump_bound(pyramid.spacing),
+            bump_bound=bump_bound(pyramid.spacing),
             globe_height=pyramid.outside,
             map_cosine=np.cos(0.975 * extent / radius),
             land_near=self._land_near,
             depth=LEAF_DEPTH,
             indices=6 * self._grid**2,
-            first_octave=first_octave(pyramid.spacing),
         )
         return values
 
 
-#: m: the sum of all octaves at the roughest, every one at its largest value
-BUMP_BOUND = 0.05 * 1.25 * 2.0 ** (COARSEST + 1)
+def bump_bound(spacing: float) -> float:
+    """The sum of all octaves of bumps at the roughest, every one at its largest value, m."""
+    return 0.05 * 1.25 * 2.0 ** (first_octave(spacing) + 1)
 
 
 def nearest_height(pyramid: Any, east: float, north: float) -> float:
-    """Height of the texel of the finest level at a place, m: enough for the level of detail, in microseconds."""
+    """Height of the finest texel at a place, m: enough for the level of detail, in microseconds."""
     for level in range(pyramid.levels):
         spacing = pyramid.spacing * 2**level
         i, j = int(north / spacing + SIZE / 2), int(east / spacing + SIZE / 2)

@@ -34,7 +34,7 @@ def map_from_geographic(latitude, longitude, place, radius: float):
 
 
 def geographic_from_map(east, north, place, radius: float):
-    """(east, north) metres on the map → latitude, longitude in degrees; longitude within ±180 of the anchor's."""
+    """(east, north) metres on the map → latitude, longitude in degrees, within ±180 of the anchor's."""
     angle = np.hypot(east, north) / radius
     scale = np.sinc(angle / np.pi) / radius
     x, y, z = np.asarray(east) * scale, np.asarray(north) * scale, np.cos(angle)
@@ -45,7 +45,7 @@ def geographic_from_map(east, north, place, radius: float):
 
 
 def world_from_map(east, north, height, radius: float) -> np.ndarray:
-    """(east, north) on the map and height above sea level → world position (..., 3), m (see the conventions)."""
+    """(east, north) on the map and height above sea level → world position (..., 3), m."""
     east, north, height = np.broadcast_arrays(np.asarray(east, float), north, height)
     angle = np.hypot(east, north) / radius
     scale = (radius + height) * np.sinc(angle / np.pi) / radius
@@ -97,7 +97,7 @@ def geographic_from_utm(easting, northing, zone: int, south: bool):
 
 
 def utm_from_geographic(latitude, longitude, zone: int, south: bool):
-    """Latitude, longitude in degrees → UTM easting, northing (m, WGS84), the inverse of `geographic_from_utm`."""
+    """Latitude, longitude in degrees → UTM easting, northing (m, WGS84); inverts `geographic_from_utm`."""
     n = _F / (2.0 - _F)
     rectifying = _A / (1.0 + n) * (1.0 + n**2 / 4.0 + n**4 / 64.0)
     eccentricity = 2.0 * np.sqrt(n) / (1.0 + n)

@@ -7,6 +7,8 @@ whole map of ±extent metres. Texel (column i, row j) of level k lies at map pos
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -98,14 +100,23 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
 
 
 def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.ndarray:
-    if finer is None:
-        return land.sample(axis(spacing), axis(spacing))
-    a, b = SIZE // 4, 3 * SIZE // 4
     out = np.empty((SIZE, SIZE))
-    # The middle is the mean of the finer level; only the ring around it is new.
-    out[a:b, a:b] = finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3))
-    for rows, columns in (((0, a), (0, SIZE)), ((b, SIZE), (0, SIZE)), ((a, b), (0, a)), ((a, b), (b, SIZE))):
-        out[slice(*rows), slice(*columns)] = land.sample(axis(spacing, *columns), axis(spacing, *rows))
+    if finer is None:
+        parts = [(0, SIZE, 0, SIZE)]
+    else:
+        # The middle is the mean of the finer level; only the ring around it is new.
+        a, b = SIZE // 4, 3 * SIZE // 4
+        out[a:b, a:b] = finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3))
+        parts = [(0, a, 0, SIZE), (b, SIZE, 0, SIZE), (a, b, 0, a), (a, b, b, SIZE)]
+
+    def fill(strip: tuple[int, int, int, int]) -> None:
+        low, high, left, right = strip
+        out[low:high, left:right] = land.sample(axis(spacing, left, right), axis(spacing, low, high))
+
+    # Narrow strips stay in the processor's cache, and numpy lets threads work side by side.
+    strips = [(i, i + 192, left, right) for low, high, left, right in parts for i in range(low, high, 192)]
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+        list(pool.map(fill, strips))
     return out
 
 
@@ -123,7 +134,7 @@ def _surface(heights: np.ndarray, spline: np.ndarray, spacing: float) -> np.ndar
 
 
 def _bounds(splines: np.ndarray) -> list[np.ndarray]:
-    """Lowest and highest height of every node, from all levels that cover it, with room for what filters reach.
+    """Lowest and highest height of every node over all levels that cover it, with room for filters.
 
     A B-spline lies between the least and the largest of the coefficients it is made of, so these bounds are
     strict.
@@ -143,8 +154,8 @@ def _bounds(splines: np.ndarray) -> list[np.ndarray]:
     raw = [np.stack([low, high], -1)]
     while len(raw) < BOUND_LEVELS:
         raw.insert(0, _halved(raw[0]))
-    # A node of level q is drawn from filtered heights that reach a few vertex steps over its edge: dilate by a
-    # quarter of the node.
+    # A node of level q is drawn from filtered heights that reach a few vertex steps over its edge:
+    # dilate by a quarter of the node.
     out = []
     for q in range(BOUND_LEVELS):
         finer = min(q + 2, BOUND_LEVELS - 1)

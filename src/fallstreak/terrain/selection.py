@@ -1,4 +1,4 @@
-"""CPU twin of ``selection.wesl`` and of the morph in ``mesh.wesl``, float64: what the tests hold the GPU to."""
+"""CPU twin (float64) of ``selection.wesl`` and of the morph in ``mesh.wesl``: the tests' measure."""
 
 from __future__ import annotations
 

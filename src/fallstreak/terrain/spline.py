@@ -1,4 +1,4 @@
-"""Cubic B-spline interpolation on a grid: twice differentiable, so that a 90 m elevation model does not look faceted.
+"""Cubic B-splines on a grid: twice differentiable, so that a 90 m elevation model does not look faceted.
 
 A spline through the samples needs coefficients that differ from them (Unser, Aldroubi, Eden 1991, "Fast
 B-spline transforms": one recursive filter each way). The GPU evaluates the same coefficients with the same 16
@@ -7,13 +7,16 @@ weights (`sampling.wesl`), so that CPU and GPU agree to rounding.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 
 _POLE = np.sqrt(3.0) - 2.0
 
 
 def coefficients(samples: np.ndarray) -> np.ndarray:
-    """Samples (rows, columns) → coefficients of the cubic B-spline through them (mirrored at the edges), float64."""
+    """Samples (rows, columns) → coefficients of the cubic B-spline through them (mirrored edges), float64."""
     return _filter(_filter(np.asarray(samples, np.float64)).T).T
 
 
@@ -48,35 +51,44 @@ def slope_weights(t: np.ndarray) -> tuple[np.ndarray, ...]:
     return -0.5 * s * s, 1.5 * t * t - 2.0 * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
-def evaluate(grid: np.ndarray, column, row, slopes: bool = False):
-    """The spline at fractional positions (sample centres are whole numbers; the edge is repeated outside).
-
-    Returns
-    -------
-    values, or (values, d/dcolumn, d/drow) when ``slopes``
-    """
+def evaluate(grid: np.ndarray, column: Any, row: Any) -> np.ndarray:
+    """The spline at fractional positions (sample centres are whole numbers; the edge is repeated outside)."""
     column, row = np.broadcast_arrays(np.asarray(column, np.float64), np.asarray(row, np.float64))
-    j, i = np.floor(column).astype(np.intp), np.floor(row).astype(np.intp)
-    tx, ty = column - j, row - i
-    wx, wy = weights(tx), weights(ty)
-    columns = [np.clip(j + k, 0, grid.shape[1] - 1) for k in range(-1, 3)]
     value = np.zeros(column.shape)
-    if slopes:
-        dx, dy = np.zeros(column.shape), np.zeros(column.shape)
-        sx, sy = slope_weights(tx), slope_weights(ty)
-    for k in range(4):
-        start = np.clip(i + k - 1, 0, grid.shape[0] - 1) * grid.shape[1]
-        taps = [grid.ravel()[start + c] for c in columns]
+    wx, wy = weights(column - np.floor(column)), weights(row - np.floor(row))
+    for k, taps in enumerate(_taps(grid, column, row)):
+        value += wy[k] * sum(w * tap for w, tap in zip(wx, taps, strict=True))
+    return value
+
+
+def evaluate_with_slopes(
+    grid: np.ndarray, column: Any, row: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values, derivatives by column, derivatives by row; see `evaluate`."""
+    column, row = np.broadcast_arrays(np.asarray(column, np.float64), np.asarray(row, np.float64))
+    value, dx, dy = (np.zeros(column.shape) for _ in range(3))
+    tx, ty = column - np.floor(column), row - np.floor(row)
+    wx, wy, sx, sy = weights(tx), weights(ty), slope_weights(tx), slope_weights(ty)
+    for k, taps in enumerate(_taps(grid, column, row)):
         line = sum(w * tap for w, tap in zip(wx, taps, strict=True))
         value += wy[k] * line
-        if slopes:
-            dx += wy[k] * sum(w * tap for w, tap in zip(sx, taps, strict=True))
-            dy += sy[k] * line
-    return (value, dx, dy) if slopes else value
+        dx += wy[k] * sum(w * tap for w, tap in zip(sx, taps, strict=True))
+        dy += sy[k] * line
+    return value, dx, dy
+
+
+def _taps(grid: np.ndarray, column: np.ndarray, row: np.ndarray) -> Iterator[list[np.ndarray]]:
+    """For each of the four rows around a position, the four coefficients in it."""
+    j, i = np.floor(column).astype(np.intp), np.floor(row).astype(np.intp)
+    flat = grid.ravel()
+    columns = [np.clip(j + k, 0, grid.shape[1] - 1) for k in range(-1, 3)]
+    for k in range(-1, 3):
+        start = np.clip(i + k, 0, grid.shape[0] - 1) * grid.shape[1]
+        yield [flat[start + c] for c in columns]
 
 
 def blur(values: np.ndarray, radius: float) -> np.ndarray:
-    """Near-Gaussian mean with standard deviation ``radius`` (in samples): three box means, the edge repeated."""
+    """Near-Gaussian mean with standard deviation ``radius`` samples: three box means, edges repeated."""
     width = max(round(np.sqrt(4.0 * radius * radius + 1.0)), 1) | 1
     out = np.asarray(values, np.float64)
     for axis in (0, 1, 0, 1, 0, 1):
