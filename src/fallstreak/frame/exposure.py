@@ -9,7 +9,7 @@
 The meter counts log2 luminance of ``frame.resolved`` into a histogram (integers, so every run counts the
 same), weights the centre, leaves out the darkest and the brightest share, and exposes the mean to a key
 that falls in the dark (`model.exposure_key`). Systems multiply what they write into ``frame.hdr`` by the
-exposure of the frame before. Cost: one sample per 4 pixels and a workgroup that walks 256 bins three times.
+exposure of the frame before. Cost: one sample per 16 pixels and a workgroup that walks 256 bins three times.
 """
 
 from __future__ import annotations
@@ -75,9 +75,11 @@ class Exposure:
         self._meter = graph.uniform("frame.meter", METER)
         self._meter.set(low=0.10, high=0.97, depth=9.0, dimmest=1e-5, brightest=1e6)
         self.update(0.0, instant=True)
+        # small pictures have no samples to spare
+        stride = 4 if size[0] * size[1] > 100_000 else 2
         settings = {
             "structs": [EXPOSURE, METER],
-            "constants": {"BINS": BINS, "LOWEST": LOWEST, "HIGHEST": HIGHEST},
+            "constants": {"BINS": BINS, "LOWEST": LOWEST, "HIGHEST": HIGHEST, "STRIDE": stride},
         }
         bind = {
             "meter": "frame.meter",
@@ -87,7 +89,7 @@ class Exposure:
             "histogram": "frame.histogram",
             "exposure": "frame.exposure",
         }
-        groups = (-(-size[0] // 32), -(-size[1] // 32), 1)
+        groups = (-(-size[0] // (16 * stride)), -(-size[1] // (16 * stride)), 1)
         shader = "package::frame::exposure"
         graph.compute("frame.meter", shader, entry="measure", bind=bind, groups=groups, **settings)
         graph.compute("frame.exposure", shader, entry="settle", bind=bind, groups=(1, 1, 1), **settings)
