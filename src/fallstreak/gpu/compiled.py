@@ -90,7 +90,8 @@ class Compiled:
             uniform.offset = end
             end += -(-uniform.struct.size // 256) * 256
         if end:
-            self._uniform_buffer = self.device.buffer("uniforms", end, res.UNIFORM | res.COPY_DST)
+            usage = res.UNIFORM | res.STORAGE | res.COPY_DST  # storage: see Shaders
+            self._uniform_buffer = self.device.buffer("uniforms", end, usage)
             self._uniform_bytes = bytearray(end)
             for name in self.uniforms:
                 self.physical[name] = Physical([self._uniform_buffer])

@@ -43,7 +43,7 @@ class Device:
         self.why = why
         self.limits = dict(LIMITS)
         self.capabilities = frozenset(c for c in CAPABILITIES if c in native.features)
-        self.shaders = Shaders(native)
+        self.shaders = Shaders(native, software=adapter.kind == "CPU")
         self.texture_bytes = 0
         self.buffer_bytes = 0
         self._samplers: dict[str, Any] = {}

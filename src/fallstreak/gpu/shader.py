@@ -18,8 +18,9 @@ _resolve = package_resolver(_PACKAGE)
 class Shaders:
     """Links and compiles entry points; asking twice for the same gives the same module."""
 
-    def __init__(self, native: Any):
+    def __init__(self, native: Any, *, software: bool = False):
         self._native = native
+        self._software = software
         self._cache: dict[tuple[object, ...], tuple[Any, Linked]] = {}
 
     def get(
@@ -74,8 +75,15 @@ class Shaders:
     def _compile(self, module: str, linked: Linked) -> Any:
         import wgpu
 
+        code = linked.code
+        if self._software:
+            # Mesa's lavapipe takes a uniform that decides a branch or bounds a loop for a constant ("inline
+            # uniforms") and compiles the shader anew in every frame: two thirds of a frame's time, and memory
+            # that never comes back. What lies in a storage buffer it reads. The layout is the same, see
+            # struct.py.
+            code = code.replace("var<uniform>", "var<storage, read>")
         try:
-            return self._native.create_shader_module(label=module, code=linked.code)
+            return self._native.create_shader_module(label=module, code=code)
         except wgpu.GPUError as error:
             ours = translate(error, f"compiling {module}")
             if type(ours) is not GpuError:
