@@ -87,3 +87,18 @@ def direction_from_view(air: Air, altitude: float, size: tuple[int, int]) -> tup
     u = np.arange(width) / (width - 1)
     mu, cos_azimuth = np.meshgrid(mu, 1.0 - 2.0 * u * u, indexing="ij")
     return mu, cos_azimuth
+
+
+def view_from_direction(
+    air: Air, altitude: float, mu: ArrayLike, cos_azimuth: ArrayLike, rows: int
+) -> tuple[Array, Array]:
+    """Coordinates of the view in directions, for `bilinear` (the GPU never mixes ground with sky)."""
+    mu = np.asarray(mu, float)
+    horizon, stretch = cos_horizon(air, altitude), view_stretch(air, altitude)
+    side = np.where(mu >= horizon, 1.0, -1.0)
+    end, at = np.sqrt(0.5 - 0.5 * side * horizon), np.sqrt(np.maximum(0.5 - 0.5 * side * mu, 0.0))
+    y = 0.5 * side * (mu - horizon) / ((end + at) * end)
+    x = np.sqrt(np.clip(y * (stretch + 1.0) / (stretch * y + 1.0), 0.0, 1.0))
+    half = rows / 2
+    row = np.where(side > 0, half + x * (half - 1), half - 1 - x * (half - 1))
+    return np.sqrt(np.clip(0.5 - 0.5 * np.asarray(cos_azimuth, float), 0.0, 1.0)), row / (rows - 1)
