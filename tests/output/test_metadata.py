@@ -39,3 +39,10 @@ def test_of_an_elevation_file_the_contents_count(tmp_path):
         world = fs.load("jacksboro", {"terrain.source": "file", "terrain.file": str(tmp_path / name)})
         digests.append(world_digest(world))
     assert digests[0] == digests[1] != digests[2]
+
+
+def test_the_frame_and_the_files_know_the_same_layers():
+    from fallstreak.frame.frame import LAYERS as rendered
+    from fallstreak.output import LAYERS as written
+
+    assert tuple(rendered) == tuple(written)
