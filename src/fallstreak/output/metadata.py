@@ -11,6 +11,7 @@ import json
 import os
 from collections.abc import Mapping
 from datetime import date
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +42,9 @@ def _plain(value: Any) -> Any:
         return value.isoformat()
     if hasattr(value, "tolist"):
         return _plain(value.tolist())
-    return float(value) if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else None  # JSON knows no other numbers
+    return str(value)
 
 
 def png_text(metadata: Mapping[str, Any]) -> dict[str, str]:
