@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Iterable, Mapping
 from datetime import timedelta
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -112,6 +113,8 @@ class Renderer:
         self.layers = tuple(layers)
         self.bits: Literal[8, 16] = bits
         self._adapter = adapter
+        # A point costs the ground's model a millisecond or two, and a frame asks for it several times.
+        self._ground = lru_cache(16)(lambda east, north: float(world.terrain.height(east, north)))
         self._inflight: deque[PendingFrame] = deque()
         self._log: list[int] = []
         self._kept: Mapping[str, Any] | None = None
@@ -253,7 +256,7 @@ class Renderer:
         radius = self.world.planet.radius
         height = pose.height
         if pose.above == "ground":
-            height += float(self.world.terrain.height(pose.east, pose.north))
+            height += self._ground(pose.east, pose.north)
         heading, pitch, roll, fov = pose.angles
         return CameraState(
             position=position_on_planet(pose.east, pose.north, height, radius),
