@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import cos, floor, hypot, sin, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion
 _FARTHEST = (
     0.5  # rad from the anchor: beyond it placement.wesl's series end, and so does the view of the terrain
 )
-_TILE = 4096.0
+_TILE = 4096
 
 
 class Terrain:
@@ -72,7 +73,7 @@ class Terrain:
         self._is_island = world.terrain.source == "file" and world.terrain.surroundings == "sea"
         self._land_near = -1.0 if self._is_island else 1.0
         latitude = world.place.latitude_radians
-        self._pole = (0.0, float(np.cos(latitude)), float(np.sin(latitude)))
+        self._pole = (0.0, cos(latitude), sin(latitude))
         self._seed = (world.seed + SEED) & 0xFFFFFFFF
         surface = (
             "mars"
@@ -81,12 +82,14 @@ class Terrain:
         )
         if self.model.pyramid is not None:
             self._add_ground(graph, world, quality, _SURFACES[surface])
-        self._add_globe(graph, _SURFACES[surface])
+        self._add_globe(graph, quality, _SURFACES[surface])
 
     def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, surface: int) -> None:
         pyramid = self.model.pyramid
         assert pyramid is not None
         self._lowest = float(pyramid.bounds[0][0, 0, 0])
+        # the lowlands that a far view goes over; single deep valleys open no view across the map
+        self._lowland = float(np.percentile(pyramid.bounds[6][..., 0], 25))
         graph.texture_data("terrain.coefficients", pyramid.coefficients, "r32float", dimension="2d-array")
         graph.texture_data("terrain.surface", pyramid.surface, "rgba16float", dimension="2d-array")
         graph.buffer_data("terrain.bounds", np.concatenate([b.reshape(-1, 2) for b in pyramid.bounds]))
@@ -145,6 +148,7 @@ class Terrain:
                 "SEA": self._is_island,
                 "CROWNS": True,
                 "PARCELS": True,
+                "LEAVES": quality.terrain_bump_finest < 0,
             },
             constants={
                 "GRID": self._grid,
@@ -152,10 +156,11 @@ class Terrain:
                 "NORMAL_FINEST": quality.terrain_bump_finest,
                 "GROUND_FINEST": quality.terrain_bump_finest - 3,
                 "SURFACE_KIND": surface,
+                "PLANET_OCTAVES": quality.terrain_planet_octaves,
             },
         )
 
-    def _add_globe(self, graph: FrameGraph, surface: int) -> None:
+    def _add_globe(self, graph: FrameGraph, quality: Any, surface: int) -> None:
         graph.buffer_data("terrain.globe_index", grid_indices(SECTORS, RINGS), usage=("index",))
         graph.render(
             "terrain.globe",
@@ -167,7 +172,12 @@ class Terrain:
             indices=6 * RINGS * SECTORS,
             instances=lambda: int(self._sees_globe),
             structs=[TERRAIN_FRAME],
-            constants={"RINGS": RINGS, "SECTORS": SECTORS, "SURFACE_KIND": surface},
+            constants={
+                "RINGS": RINGS,
+                "SECTORS": SECTORS,
+                "SURFACE_KIND": surface,
+                "PLANET_OCTAVES": quality.terrain_planet_octaves,
+            },
             order=1,
         )
 
@@ -180,17 +190,17 @@ class Terrain:
     def _sees_beyond(self, values: dict[str, Any], radius: float) -> bool:
         """Whether the horizon may lie outside of the terrain's round map."""
         assert self.model.pyramid is not None
-        eye = max(values["camera_height"] - values["lowest"], 0.0)
-        top = max(values["globe_height"] - values["lowest"], 0.0)
-        sight = np.sqrt(eye * (2.0 * radius + eye)) + np.sqrt(2.0 * radius * top)
-        return bool(np.hypot(*values["camera_map"]) + sight > 0.97 * self.model.pyramid.extent)
+        eye = max(values["camera_height"] - self._lowland, 0.0)
+        top = max(values["globe_height"] - self._lowland, 0.0)
+        sight = sqrt(eye * (2.0 * radius + eye)) + sqrt(2.0 * radius * top)
+        return hypot(*values["camera_map"]) + sight > 0.97 * self.model.pyramid.extent
 
     def frame_values(self, state: FrameState) -> dict[str, Any]:
         """The fields of `TerrainFrame` for a camera; also what the CPU twin of the selection starts from."""
         radius = state.planet_radius
         east, north = map_coordinates(state.camera.position, radius)
         height = state.altitude
-        pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
+        pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
         pyramid = self.model.pyramid
         values: dict[str, Any] = {
             "seed": self._seed,
@@ -205,8 +215,8 @@ class Terrain:
             return values
         extent = pyramid.extent
         leaf = 2.0 * extent / 2**LEAF_DEPTH
-        cell = (int(np.floor((east + extent) / leaf)), int(np.floor((north + extent) / leaf)))
-        tile = (int(np.floor(east / _TILE) * _TILE), int(np.floor(north / _TILE) * _TILE))
+        cell = (floor((east + extent) / leaf), floor((north + extent) / leaf))
+        tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
         values.update(
             camera_local=(east - tile[0], north - tile[1]),
             camera_fraction=(east + extent - cell[0] * leaf, north + extent - cell[1] * leaf),
@@ -221,7 +231,7 @@ class Terrain:
             lowest=self._lowest - bump_bound(pyramid.spacing),
             bump_bound=bump_bound(pyramid.spacing),
             globe_height=pyramid.outside,
-            map_cosine=np.cos(0.975 * extent / radius),
+            map_cosine=cos(0.975 * extent / radius),
             land_near=self._land_near,
             depth=LEAF_DEPTH,
             indices=6 * self._grid**2,

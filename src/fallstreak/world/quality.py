@@ -21,6 +21,7 @@ class Quality:
     terrain_error_px: float = 1.5  # greatest error of a node's shape on the screen
     terrain_grid: int = 32  # quads along a node's side
     terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
+    terrain_planet_octaves: int = 8  # of noise on the globe beyond the terrain
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -41,6 +42,7 @@ QUALITY: dict[str, Quality] = {
         terrain_error_px=4.0,
         terrain_grid=16,
         terrain_bump_finest=0,
+        terrain_planet_octaves=5,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
