@@ -20,7 +20,7 @@ def machine_code() -> int:
 
 @pytest.mark.parametrize("scene", ["jacksboro", "orbit", "night", "mars"])
 def test_shaders_are_compiled_once(scene):
-    """lavapipe compiles a shader again for each value of a uniform that decides a branch; see gpu/shader.py."""
+    """lavapipe compiles a shader again for each value of a uniform in a branch; see gpu/shader.py."""
     with fs.Renderer(fs.load(scene), size=(64, 36), quality="low") as renderer:
         for index in range(4):
             renderer.render(index)
