@@ -164,8 +164,8 @@ def clip_from_camera(
     f = 1.0 / np.tan(fov / 2.0)
     return np.array(
         [
-            [f * height / width, 0.0, -2.0 * jitter[0] / width, 0.0],
-            [0.0, f, 2.0 * jitter[1] / height, 0.0],
+            [f * height / width, 0.0, 2.0 * jitter[0] / width, 0.0],
+            [0.0, f, -2.0 * jitter[1] / height, 0.0],
             [0.0, 0.0, 0.0, near],
             [0.0, 0.0, -1.0, 0.0],
         ]
