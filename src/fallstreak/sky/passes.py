@@ -48,25 +48,34 @@ class Sky:
         graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
         _still_tables(graph, quality)
         _frame_tables(graph, quality, lambda: self._moon_matters)
+        shared = {"view": "view", "air": "sky.air", "light": "sky.light", "linear": _LINEAR}
+        shared |= {"exposure": "frame.exposure@previous"}
+        onto = {"color": ["frame.hdr"], "depth": "gbuffer.depth", "depth_write": False}
+        structs = [AIR, LIGHT, EXPOSURE]
+        for name, moon in (("sky.draw", False), ("sky.draw.moon", True)):
+            graph.render(
+                name,
+                "package::sky::draw",
+                bind={**shared, "sky_view": "sky.view_table", "sky_view_moon": "sky.view_table_moon"},
+                flags={"MOON": moon},
+                structs=structs,
+                depth_compare="equal",
+                vertices=3,
+                when=lambda moon=moon: self._moon_matters == moon,
+                order=10,
+                **onto,
+            )
         graph.render(
-            "sky.draw",
-            "package::sky::draw",
-            color=["frame.hdr"],
-            depth="gbuffer.depth",
-            depth_compare="equal",
-            depth_write=False,
-            bind={
-                "view": "view",
-                "air": "sky.air",
-                "light": "sky.light",
-                "exposure": "frame.exposure@previous",
-                "transmittance": "sky.transmittance",
-                "sky_view": "sky.view_table",
-                "sky_view_moon": "sky.view_table_moon",
-                "linear": _LINEAR,
-            },
-            structs=[AIR, LIGHT, EXPOSURE],
-            order=10,
+            "sky.sun",
+            "package::sky::sun",
+            bind={**shared, "transmittance": "sky.transmittance"},
+            structs=structs,
+            depth_compare="greater-equal",
+            blend="add",
+            topology="triangle-strip",
+            vertices=4,
+            order=11,
+            **onto,
         )
         self._celestial.draw()
 
