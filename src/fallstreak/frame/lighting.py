@@ -72,8 +72,6 @@ def add_lighting(graph: FrameGraph, world: World, quality: Quality, size: tuple[
             flags={**flags, "REFLECTION": _has_mirrors(world) and not flags["FAR"]},
             structs=[AIR, LIGHT, EXPOSURE],
             when=when,
-            # the first frame of a graph runs all passes, but only one form may draw
-            vertices=lambda when=when: 3 if when() else 0,
         )
 
 

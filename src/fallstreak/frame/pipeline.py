@@ -63,7 +63,7 @@ class Pipeline:
     ):
         add_exposure_buffer(graph)
         add_gbuffer(graph, size)
-        graph.texture("frame.hdr", "rgba16float", size, persistent=True)
+        graph.texture("frame.hdr", "rgba16float", size)
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size)
         add_lighting(graph, world, quality, size)

@@ -55,7 +55,7 @@ class ToneMap:
         picture: str = "frame.resolved",
         bloom: str | None = None,
     ):
-        graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size, persistent=True)
+        graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size)
         self._uniform = graph.uniform("frame.film", FILM)
         power, saturation = model.AGX_LOOKS[film.look]
         dither = 1 / (2**bits - 1) if film.dither else 0.0
@@ -89,8 +89,6 @@ class ToneMap:
                 structs=[EXPOSURE, FILM],
                 flags={**flags, "NIGHT_VISION": night},
                 when=when,
-                # the first frame of a graph runs all passes, but only one form may draw
-                vertices=3 if when is None else lambda when=when: 3 if when() else 0,
             )
 
 

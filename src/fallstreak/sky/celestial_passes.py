@@ -114,7 +114,7 @@ class Celestial:
             bind={**shared, "milky_way": "sky.milky_way"},
             structs=structs,
             depth_compare="equal",
-            vertices=lambda: 3 if self._dark else 0,
+            when=lambda: self._dark,
             order=12,
             **onto,
         )
@@ -129,7 +129,7 @@ class Celestial:
                 depth_compare="greater-equal",
                 topology="triangle-strip",
                 vertices=4,
-                instances=lambda: int(self._moon_up),
+                when=lambda: self._moon_up,
                 order=15,
                 **onto,
             )
@@ -144,7 +144,8 @@ class Celestial:
                 constants={"PLANETS": np.uint32(PLANETS)},
                 structs=[*structs, WANDERERS],
                 depth_compare="greater-equal",
-                vertices=lambda: 3 * (PLANETS + count) if self._dark else 0,
+                vertices=3 * (PLANETS + count),
+                when=lambda: self._dark,
                 order=20,
                 **onto,
             )
