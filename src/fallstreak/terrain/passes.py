@@ -71,10 +71,8 @@ class Terrain:
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._sees_globe = True
         self._is_island = world.terrain.source == "file" and world.terrain.surroundings == "sea"
-        self._land_near = -1.0 if self._is_island else 1.0
-        latitude = world.place.latitude_radians
-        self._pole = (0.0, cos(latitude), sin(latitude))
-        self._seed = (world.seed + SEED) & 0xFFFFFFFF
+        self._fixed = self._fixed_values(world)
+        self._frame.set(**self._fixed)
         surface = (
             "mars"
             if world.terrain.material == "mars" and world.planet.surface != "ocean"
@@ -87,7 +85,6 @@ class Terrain:
     def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, surface: int) -> None:
         pyramid = self.model.pyramid
         assert pyramid is not None
-        self._lowest = float(pyramid.bounds[0][0, 0, 0])
         # the lowlands that a far view goes over; single deep valleys open no view across the map
         self._lowland = float(np.percentile(pyramid.bounds[6][..., 0], 25))
         graph.texture_data("terrain.coefficients", pyramid.coefficients, "r32float", dimension="2d-array")
@@ -183,60 +180,66 @@ class Terrain:
 
     def update(self, state: FrameState) -> None:
         """Set the uniforms of a frame."""
-        values = self.frame_values(state)
-        self._sees_globe = values["map_cosine"] == 2.0 or self._sees_beyond(values, state.planet_radius)
-        self._frame.set(**values)
+        moving = self._moving_values(state)
+        self._sees_globe = self.model.pyramid is None or self._sees_beyond(moving, state.planet_radius)
+        self._frame.set(**moving)
 
-    def _sees_beyond(self, values: dict[str, Any], radius: float) -> bool:
+    def _sees_beyond(self, moving: dict[str, Any], radius: float) -> bool:
         """Whether the horizon may lie outside of the terrain's round map."""
         assert self.model.pyramid is not None
-        eye = max(values["camera_height"] - self._lowland, 0.0)
-        top = max(values["globe_height"] - self._lowland, 0.0)
+        eye = max(moving["camera_height"] - self._lowland, 0.0)
+        top = max(self._fixed["globe_height"] - self._lowland, 0.0)
         sight = sqrt(eye * (2.0 * radius + eye)) + sqrt(2.0 * radius * top)
-        return hypot(*values["camera_map"]) + sight > 0.97 * self.model.pyramid.extent
+        return hypot(*moving["camera_map"]) + sight > 0.97 * self.model.pyramid.extent
 
     def frame_values(self, state: FrameState) -> dict[str, Any]:
-        """The fields of `TerrainFrame` for a camera; also what the CPU twin of the selection starts from."""
-        radius = state.planet_radius
-        east, north = map_coordinates(state.camera.position, radius)
-        height = state.altitude
-        pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
-        pyramid = self.model.pyramid
+        """All fields of `TerrainFrame` for a camera; what the CPU twin of the selection starts from."""
+        return {**self._fixed, **self._moving_values(state)}
+
+    def _fixed_values(self, world: Any) -> dict[str, Any]:
+        latitude, pyramid = world.place.latitude_radians, self.model.pyramid
         values: dict[str, Any] = {
-            "seed": self._seed,
-            "camera_map": (east, north),
-            "camera_height": height,
+            "seed": (world.seed + SEED) & 0xFFFFFFFF,
+            "pole": (0.0, cos(latitude), sin(latitude)),
             "globe_height": 0.0,
             "map_cosine": 2.0,
             "land_near": 0.0,
-            "pole": self._pole,
         }
+        if pyramid is not None:
+            values.update(
+                extent=pyramid.extent,
+                leaf=2.0 * pyramid.extent / 2**LEAF_DEPTH,
+                spacing=pyramid.spacing,
+                levels=pyramid.levels,
+                lowest=float(pyramid.bounds[0][0, 0, 0]) - bump_bound(pyramid.spacing),
+                bump_bound=bump_bound(pyramid.spacing),
+                globe_height=pyramid.outside,
+                map_cosine=cos(0.975 * pyramid.extent / world.planet.radius),
+                land_near=-1.0 if self._is_island else 1.0,
+                depth=LEAF_DEPTH,
+                indices=6 * self._grid**2,
+            )
+        return values
+
+    def _moving_values(self, state: FrameState) -> dict[str, Any]:
+        east, north = map_coordinates(state.camera.position, state.planet_radius)
+        height, pyramid = state.altitude, self.model.pyramid
         if pyramid is None:
-            return values
-        extent = pyramid.extent
-        leaf = 2.0 * extent / 2**LEAF_DEPTH
+            return {"camera_map": (east, north), "camera_height": height}
+        leaf, extent = self._fixed["leaf"], pyramid.extent
         cell = (floor((east + extent) / leaf), floor((north + extent) / leaf))
         tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
-        values.update(
-            camera_local=(east - tile[0], north - tile[1]),
-            camera_fraction=(east + extent - cell[0] * leaf, north + extent - cell[1] * leaf),
-            camera_cell=cell,
-            tile=tile,
-            camera_above=max(height - nearest_height(pyramid, east, north), 0.0),
-            extent=extent,
-            leaf=leaf,
-            range=max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
-            spacing=pyramid.spacing,
-            levels=pyramid.levels,
-            lowest=self._lowest - bump_bound(pyramid.spacing),
-            bump_bound=bump_bound(pyramid.spacing),
-            globe_height=pyramid.outside,
-            map_cosine=cos(0.975 * extent / radius),
-            land_near=self._land_near,
-            depth=LEAF_DEPTH,
-            indices=6 * self._grid**2,
-        )
-        return values
+        pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
+        return {
+            "camera_map": (east, north),
+            "camera_height": height,
+            "camera_local": (east - tile[0], north - tile[1]),
+            "camera_fraction": (east + extent - cell[0] * leaf, north + extent - cell[1] * leaf),
+            "camera_cell": cell,
+            "tile": tile,
+            "camera_above": max(height - nearest_height(pyramid, east, north), 0.0),
+            "range": max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
+        }
 
 
 def bump_bound(spacing: float) -> float:
