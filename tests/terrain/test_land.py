@@ -127,6 +127,13 @@ def test_other_surroundings(surroundings, height):
     )
 
 
+def test_a_map_inside_of_the_file(jacksboro, model):
+    small = terrain_model(fs.load("jacksboro", overrides=["terrain.extent=2e3"]))
+    e = np.linspace(-1500.0, 1500.0, 50)
+    assert small.pyramid.levels == 1
+    assert np.abs(small.height(e, 0.5 * e, bumps=False) - model.height(e, 0.5 * e, bumps=False)).max() < 3.0
+
+
 def test_a_file_far_from_the_place_is_refused():
     with pytest.raises(WorldError, match="set place"):
         terrain_model(fs.load("jacksboro", overrides=["place.latitude=-30.0"]))

@@ -90,6 +90,8 @@ class FileLand:
             out[known] += inside[known] * (file - self.outside)
             return out
         out[known] = file
+        if not open_land.any():
+            return out
         g, square = self._invent(e[open_land], n[open_land], level)
         w = inside[open_land]
         own = np.zeros_like(w)
