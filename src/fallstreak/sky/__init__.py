@@ -5,8 +5,8 @@ lookup.wesl is what other systems ask. `air`, `spectrum`, `model`, `tables` are 
 `ephemeris`, `light`, `stars`, `moon` are what stands above it.
 
 Source: S. Hillaire, "A Scalable and Production Ready Sky and Atmosphere Rendering Technique" (EGSR 2020) for
-the tables and the multiple scattering; E. Bruneton (2017) for the media; mappings, bands and quadrature are our
-own. docs/sky.md and docs/night.md say which, and how far they hold.
+the tables and the multiple scattering; E. Bruneton (2017) for the media; mappings, bands and quadrature are
+our own. docs/sky.md and docs/night.md say which, and how far they hold.
 
 Limits: one aerosol and one gas, each falling off exponentially, with an ozone layer; scattering beyond the
 first is alike in all directions; rays are straight in the air; mountains cast no shadow into it.

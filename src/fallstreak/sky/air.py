@@ -57,17 +57,17 @@ class Air:
     top_height: float = 60e3
     rayleigh_scattering: Colour = (5.802e-6, 1.3558e-5, 3.310e-5)
     rayleigh_scale_height: float = 8e3
-    mie_scattering: Colour = (3.996e-6,) * 3
-    mie_extinction: Colour = (4.44e-6,) * 3
+    mie_scattering: Colour = (3.996e-6, 3.996e-6, 3.996e-6)
+    mie_extinction: Colour = (4.44e-6, 4.44e-6, 4.44e-6)
     mie_scale_height: float = 1.2e3
-    mie_forward: Colour = (0.8,) * 3
-    mie_wide: Colour = (0.0,) * 3
-    mie_forward_share: Colour = (1.0,) * 3
+    mie_forward: Colour = (0.8, 0.8, 0.8)
+    mie_wide: Colour = (0.0, 0.0, 0.0)
+    mie_forward_share: Colour = (1.0, 1.0, 1.0)
     cornette_shanks: bool = False
     ozone_absorption: Colour = (6.497e-7, 1.8809e-6, 8.50e-8)
     ozone_centre: float = 25e3
     ozone_width: float = 15e3
-    ground_albedo: Colour = (0.3,) * 3
+    ground_albedo: Colour = (0.3, 0.3, 0.3)
     name: str = field(default="earth", compare=False)
 
     @classmethod
