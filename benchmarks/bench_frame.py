@@ -15,10 +15,12 @@ def run(report):
     with fs.Renderer(world, size=SIZE, quality="low") as renderer:
         for index in range(WARM_UP):
             renderer.render(index)
-        walls, stats = [], []
+        walls, python, stats = [], [], []
         for index in range(WARM_UP, WARM_UP + MEASURED):
-            start = time.perf_counter()
-            renderer.render(index)
+            start, thread = time.perf_counter(), time.thread_time()
+            pending = renderer.submit(index)
+            python.append(time.thread_time() - thread)
+            pending.result()
             walls.append(time.perf_counter() - start)
             stats.append(renderer.stats())
     how = f"jacksboro {SIZE[0]}x{SIZE[1]} low, sequence, median of {MEASURED} frames after {WARM_UP}"
@@ -33,10 +35,11 @@ def run(report):
     _what_dominates(report, stats, median(walls))
     report.add(
         "Python time per frame",
-        median(s["frame_ms"] for s in stats),
+        median(python) * 1e3,
         "ms",
         goal="<= 2",
-        how=f"{how}; updating the systems, recording all passes and submitting them",
+        how=f"{how}; processor time of Renderer.submit: update the systems, record all passes, submit, "
+        "ask for the picture",
     )
     _calls(report, world)
 

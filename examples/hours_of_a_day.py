@@ -6,9 +6,9 @@ A world is frozen data: every hour is a new one, made from the first by `updated
 from datetime import timedelta
 
 import numpy as np
-from PIL import Image
 
 import fallstreak as fs
+from fallstreak.output import write_png
 
 first = fs.load("jacksboro", ["time=2025-10-18T07:20:00-04:00", "camera.heading=150", "camera.fov=60"])
 pictures = []
@@ -20,4 +20,4 @@ for step in range(9):
 
 columns = 3
 rows = [np.hstack(pictures[i : i + columns]) for i in range(0, len(pictures) - columns + 1, columns)]
-Image.fromarray(np.vstack(rows or pictures)).save("hours.png")
+write_png("hours.png", np.vstack(rows or pictures))

@@ -8,9 +8,9 @@ from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 import fallstreak as fs
+from fallstreak.output import write_png
 
 rng = np.random.default_rng(seed=1)
 scene = fs.load("jacksboro")
@@ -34,5 +34,5 @@ for number in range(6):
     nearness = np.where(sky, 0.0, np.clip(1.0 - np.log10(frame.depth / frame.depth.min()) / 3, 0.1, 1.0))
     depth = np.repeat((255 * nearness).astype(np.uint8)[..., None], 3, axis=2)
     normal = (127.5 + 127.5 * frame.normal).astype(np.uint8)
-    Image.fromarray(np.hstack([frame.ldr, depth, normal])).save(folder / f"view.{number:02d}.png")
+    write_png(folder / f"view.{number:02d}.png", np.hstack([frame.ldr, depth, normal]))
     print(f"view {number}: {sky.mean():4.0%} sky, nearest ground {frame.depth.min():.0f} m")

@@ -28,7 +28,7 @@ def benchmarks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_it_writes_the_list_that_the_issue_describes(benchmarks, tmp_path, capsys):
+def test_it_writes_the_list_that_the_issue_describes(benchmarks, tmp_path, capfd):
     file = tmp_path / "deep" / "figures.json"
     assert bench(["good"], file) == 0
     assert json.loads(file.read_text()) == [
@@ -44,15 +44,15 @@ def test_it_writes_the_list_that_the_issue_describes(benchmarks, tmp_path, capsy
         {"metric": "count", "value": 7.0, "unit": "", "goal": None, "met": None, "how": ""},
     ]
     assert list(file.parent.iterdir()) == [file]
-    printed = capsys.readouterr().out
+    printed = capfd.readouterr().out
     assert "machine: " in printed and "cores" in printed and "speed: 12 frames/s (goal >= 10: met)" in printed
 
 
-def test_a_broken_benchmark_fails_the_run_but_not_the_others(benchmarks, tmp_path, capsys):
+def test_a_broken_benchmark_fails_the_run_but_not_the_others(benchmarks, tmp_path, capfd):
     file = tmp_path / "figures.json"
     assert bench([], file) == 1
     assert len(json.loads(file.read_text())) == 3
-    assert "RuntimeError: no" in capsys.readouterr().err
+    assert "RuntimeError: no" in capfd.readouterr().err
 
 
 def test_an_unknown_name_says_which_there_are(benchmarks):

@@ -14,8 +14,10 @@ import math
 import os
 import platform
 import re
+import subprocess
+import sys
+import tempfile
 import time
-import traceback
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -116,21 +118,20 @@ def bench(names: Sequence[str] = (), json_file: Path | None = None) -> int:
     console = Console()
     console.print(f"machine: {machine()}", highlight=False, markup=False, soft_wrap=True)
     console.print(f"adapter: {adapter()}", highlight=False, markup=False, soft_wrap=True)
-    report = Report(console)
+    report: list[Result] = []
     broken = []
     for name in names or found:
         console.print(f"[bold]{name}[/bold]")
         start = time.perf_counter()
-        try:
-            _load(name, found[name]).run(report)
-        except Exception:
-            # A broken benchmark must not cost the others' figures, and its author needs the traceback.
-            traceback.print_exc()
+        results = _run_apart(found[name])
+        if results is None:
             broken.append(name)
+        else:
+            report.extend(results)
         console.print(f"  ({time.perf_counter() - start:.1f} s)", highlight=False)
-    _print_summary(console, report.results)
+    _print_summary(console, report)
     if json_file is not None:
-        _write(json_file, report.results)
+        _write(json_file, report)
         console.print(f"written: {json_file}", highlight=False, markup=False, soft_wrap=True)
     if broken:
         console.print(f"broken: {', '.join(broken)}", style="red")
@@ -187,8 +188,24 @@ def _memory() -> str:
         return "memory unknown"
 
 
-def _load(name: str, path: Path):
-    spec = importlib.util.spec_from_file_location(f"fallstreak_bench_{name}", path)
+def _run_apart(path: Path) -> list[Result] | None:
+    """Run one benchmark in a process of its own, where it finds no other's caches and no other's memory."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "figures.json"
+        sys.stdout.flush()
+        if subprocess.run([sys.executable, "-m", __name__, str(path), str(file)]).returncode != 0:
+            return None
+        return [Result(**figure) for figure in json.loads(file.read_text(encoding="utf-8"))]
+
+
+def _run_here(path: Path, file: Path) -> None:
+    report = Report()
+    _load(path).run(report)
+    _write(file, report.results)
+
+
+def _load(path: Path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None  # a .py file always has both
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -237,3 +254,7 @@ def _write(path: Path, results: list[Result]) -> None:
         json.dumps([asdict(result) for result in results], indent=1) + "\n", encoding="utf-8"
     )
     temporary.replace(path)
+
+
+if __name__ == "__main__":
+    _run_here(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -17,6 +17,7 @@ Depth is the distance from the camera along the ray of the pixel, in metres; the
 from fallstreak.output.errors import OutputError
 from fallstreak.output.layers import LAYERS, FrameLike, layers_of
 from fallstreak.output.metadata import describes, is_whole, read_metadata, world_digest
+from fallstreak.output.png import write_png
 from fallstreak.output.save import FORMATS, save
 
 __all__ = [
@@ -30,4 +31,5 @@ __all__ = [
     "read_metadata",
     "save",
     "world_digest",
+    "write_png",
 ]
