@@ -34,6 +34,7 @@ from .pipeline import Pipeline
 
 if TYPE_CHECKING:
     from fallstreak.world import World
+    from fallstreak.world.camera import Pose
 
 WARM_UP = 12
 """Frames rendered unseen before the first one of a sequence, so that its history is settled."""
@@ -120,6 +121,7 @@ class Renderer:
         self._kept: Mapping[str, Any] | None = None
         self._keeping: tuple[int, dict[str, Pending]] | None = None
         self._position: int | None = None
+        self._cameras: dict[Pose, CameraState] = {}
         self.device = Device.open(adapter)
         self._build()
 
@@ -252,11 +254,19 @@ class Renderer:
         )
 
     def _camera(self, seconds: float) -> CameraState:
+        # A pose comes again, as the next frame's previous one or in every frame of a camera at rest.
         pose = self.world.camera.at(seconds)
+        if pose not in self._cameras:
+            if len(self._cameras) >= 4:
+                self._cameras.clear()
+            self._cameras[pose] = self._find_camera(pose)
+        return self._cameras[pose]
+
+    def _find_camera(self, pose: Pose) -> CameraState:
         radius = self.world.planet.radius
         height = pose.height
         if pose.above == "ground":
-            height += self._ground(pose.east, pose.north)
+            height += float(self.world.terrain.height(pose.east, pose.north))
         heading, pitch, roll, fov = pose.angles
         return CameraState(
             position=position_on_planet(pose.east, pose.north, height, radius),

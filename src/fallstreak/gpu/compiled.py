@@ -11,6 +11,7 @@ import numpy as np
 from . import resources as res
 from .errors import GraphError, translated
 from .mips import MipMaker
+from .native import RenderDescriptor
 from .readback import Pending, Readback
 from .resources import BufferDecl, Physical, TextureDecl, view_of
 from .schedule import Ref, Schedule, alias
@@ -147,39 +148,23 @@ class Compiled:
             physical, self.textures[ref.name], ref, parity, shape, binding.kind == "storage_texture"
         )
 
-    def attachments(self, color: list[Ref], depth: Ref | None, depth_write: bool) -> list[dict[str, Any]]:
+    def attachments(
+        self, who: str, color: list[Ref], depth: Ref | None, depth_write: bool
+    ) -> list[RenderDescriptor]:
         """Render pass descriptors, one or two by parity; `RenderStep` sets their load operations."""
+
+        def view(ref: Ref, parity: int) -> Any:
+            return view_of(self.physical[ref.name], self.textures[ref.name], ref, parity, "2d", True)
+
         refs = [*color, *([depth] if depth else [])]
         variants = 2 if any(len(self.physical[r.name].objects) == 2 for r in refs) else 1
         descriptors = []
         for parity in range(variants):
-            attachments = []
-            for ref in color:
-                decl = self.textures[ref.name]
-                attachments.append(
-                    {
-                        "view": view_of(self.physical[ref.name], decl, ref, parity, "2d", True),
-                        "load_op": "load",
-                        "store_op": "store",
-                        "clear_value": decl.clear,
-                    }
-                )
-            descriptor: dict[str, Any] = {"color_attachments": attachments}
+            targets = [(view(ref, parity), self.textures[ref.name].clear) for ref in color]
+            buffer = None
             if depth:
-                decl = self.textures[depth.name]
-                stencil: dict[str, Any] = {
-                    "view": view_of(self.physical[depth.name], decl, depth, parity, "2d", True)
-                }
-                if depth_write:
-                    stencil |= {
-                        "depth_load_op": "load",
-                        "depth_store_op": "store",
-                        "depth_clear_value": decl.clear[0],
-                    }
-                else:
-                    stencil["depth_read_only"] = True
-                descriptor["depth_stencil_attachment"] = stencil
-            descriptors.append(descriptor)
+                buffer = (view(depth, parity), self.textures[depth.name].clear[0] if depth_write else None)
+            descriptors.append(RenderDescriptor(who, targets, buffer))
         return descriptors
 
     # ---- running ---------------------------------------------------------------------------------------

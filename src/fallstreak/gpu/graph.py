@@ -286,7 +286,7 @@ class FrameGraph:
                 name,
                 pipeline,
                 made.bind_groups(name, pipeline, linked.bindings, bind),
-                made.attachments(color_refs, depth_ref, depth_write),
+                made.attachments(name, color_refs, depth_ref, depth_write),
                 [(r.name, r.mip or 0) for r in color_refs],
                 (depth_ref.name, depth_ref.mip or 0) if depth_ref else None,
                 vertices,

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .native import RenderDescriptor, bindings, compute_descriptor, handle
+
 if TYPE_CHECKING:
     from .compiled import Compiled
 
@@ -35,11 +37,9 @@ class Step:
         self.cpu_ms = 0.0
         self.writes: set[tuple[str, int]] = set()
         """(resource, mip) that it writes."""
-        self._timestamps: dict[str, Any] | None = None
 
     def timed(self, timestamps: dict[str, Any] | None) -> None:
         """Take the timestamp queries of this pass."""
-        self._timestamps = timestamps
 
     def record(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         """Record into the frame's encoder; returns the number of WebGPU calls.
@@ -65,19 +65,25 @@ class ComputeStep(Step):
     def __init__(self, name: str, pipeline: Any, groups: list[Any], count: Any, indirect: Any):
         super().__init__(name)
         self._pipeline, self._groups, self._count, self._indirect = pipeline, groups, count, indirect
+        self._descriptor = compute_descriptor(name)
+
+    def timed(self, timestamps: dict[str, Any] | None) -> None:
+        self._descriptor.timestamps(timestamps)
 
     def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
-        work = encoder.begin_compute_pass(label=self.name, timestamp_writes=self._timestamps)
-        work.set_pipeline(self._pipeline)
+        lib, ffi = bindings().lib, bindings().ffi
+        work = lib.wgpuCommandEncoderBeginComputePass(handle(encoder), self._descriptor.c)
+        lib.wgpuComputePassEncoderSetPipeline(work, handle(self._pipeline))
         group = self._groups[parity % len(self._groups)]
         if group is not None:
-            work.set_bind_group(0, group)
+            lib.wgpuComputePassEncoderSetBindGroup(work, 0, handle(group), 0, ffi.NULL)
         if self._indirect is not None:
-            work.dispatch_workgroups_indirect(self._indirect, 0)
+            lib.wgpuComputePassEncoderDispatchWorkgroupsIndirect(work, handle(self._indirect), 0)
         else:
             count: Any = self._count() if callable(self._count) else self._count
-            work.dispatch_workgroups(*count)
-        work.end()
+            lib.wgpuComputePassEncoderDispatchWorkgroups(work, *count)
+        lib.wgpuComputePassEncoderEnd(work)
+        lib.wgpuComputePassEncoderRelease(work)
         return 5
 
 
@@ -89,7 +95,7 @@ class RenderStep(Step):
         name: str,
         pipeline: Any,
         groups: list[Any],
-        descriptors: list[dict[str, Any]],
+        descriptors: list[RenderDescriptor],
         color: list[tuple[str, int]],
         depth: tuple[str, int] | None,
         vertices: Any,
@@ -104,33 +110,42 @@ class RenderStep(Step):
         self._vertices, self._instances = vertices, instances
         self._indirect, self._index, self._indices = indirect, index, indices
 
+    def timed(self, timestamps: dict[str, Any] | None) -> None:
+        for descriptor in self._descriptors:
+            descriptor.timestamps(timestamps)
+
     def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
+        lib, ffi = bindings().lib, bindings().ffi
         descriptor = self._descriptors[parity % len(self._descriptors)]
         # The first pass that really runs clears: which one that is may change from frame to frame.
-        for key, attachment in zip(self._color, descriptor["color_attachments"], strict=True):
-            attachment["load_op"] = "load" if key in written else "clear"
+        for i, key in enumerate(self._color):
+            descriptor.load_color(i, key in written)
         if self._depth in self.writes:
-            load = "load" if self._depth in written else "clear"
-            descriptor["depth_stencil_attachment"]["depth_load_op"] = load
-        draw = encoder.begin_render_pass(label=self.name, timestamp_writes=self._timestamps, **descriptor)
-        draw.set_pipeline(self._pipeline)
+            descriptor.load_depth(self._depth in written)
+        draw = lib.wgpuCommandEncoderBeginRenderPass(handle(encoder), descriptor.c)
+        lib.wgpuRenderPassEncoderSetPipeline(draw, handle(self._pipeline))
         group = self._groups[parity % len(self._groups)]
         if group is not None:
-            draw.set_bind_group(0, group)
+            lib.wgpuRenderPassEncoderSetBindGroup(draw, 0, handle(group), 0, ffi.NULL)
         calls = 5
         if self._index is not None:
-            draw.set_index_buffer(self._index, "uint32")
+            size = lib.WGPU_WHOLE_SIZE
+            lib.wgpuRenderPassEncoderSetIndexBuffer(
+                draw, handle(self._index), lib.WGPUIndexFormat_Uint32, 0, size
+            )
             calls += 1
-        instances = self._instances() if callable(self._instances) else self._instances
+        instances: Any = self._instances() if callable(self._instances) else self._instances
         if self._indirect is not None and self._index is not None:
-            draw.draw_indexed_indirect(self._indirect, 0)
+            lib.wgpuRenderPassEncoderDrawIndexedIndirect(draw, handle(self._indirect), 0)
         elif self._indirect is not None:
-            draw.draw_indirect(self._indirect, 0)
+            lib.wgpuRenderPassEncoderDrawIndirect(draw, handle(self._indirect), 0)
         elif self._index is not None:
-            draw.draw_indexed(self._indices, instances)
+            lib.wgpuRenderPassEncoderDrawIndexed(draw, self._indices, instances, 0, 0, 0)
         else:
-            draw.draw(self._vertices() if callable(self._vertices) else self._vertices, instances)
-        draw.end()
+            vertices: Any = self._vertices() if callable(self._vertices) else self._vertices
+            lib.wgpuRenderPassEncoderDraw(draw, vertices, instances, 0, 0)
+        lib.wgpuRenderPassEncoderEnd(draw)
+        lib.wgpuRenderPassEncoderRelease(draw)
         return calls
 
 
@@ -140,7 +155,6 @@ class Context:
     def __init__(self, compiled: Compiled, parity: int):
         self._compiled, self.parity = compiled, parity
         self.encoder: Any = None
-        self.timestamps: dict[str, Any] | None = None
 
     def resource(self, name: str) -> Any:
         """The wgpu texture or buffer behind a name ("x" or "x@previous")."""
@@ -159,7 +173,7 @@ class CustomStep(Step):
 
     def _record_into(self, encoder: Any, parity: int, written: set[tuple[str, int]]) -> int:
         context = self._contexts[parity]
-        context.encoder, context.timestamps = encoder, self._timestamps
+        context.encoder = encoder
         self._record(context)
         return 1
 

@@ -149,7 +149,7 @@ def camera_rotation(heading: float, pitch: float, roll: float, axes: np.ndarray)
     """
     forward = np.array([np.sin(heading) * np.cos(pitch), np.cos(heading) * np.cos(pitch), np.sin(pitch)])
     right = np.array([np.cos(heading), -np.sin(heading), 0.0])
-    up = np.cross(right, forward)
+    up = np.array([-np.sin(heading) * np.sin(pitch), -np.cos(heading) * np.sin(pitch), np.cos(pitch)])
     c, s = np.cos(roll), np.sin(roll)
     # A right roll tips the camera's up towards its right.
     rolled_right, rolled_up = right * c - up * s, up * c + right * s
