@@ -275,6 +275,9 @@ def test_nonsense_cameras(camera, capsys):
         (["--samples", "0"], "--samples 0 is not allowed"),
         (["--samples", "many"], "samples"),
         (["--bits", "10"], "--bits 10 is not allowed"),
+        (["--bits", "16", "-o", "a.exr"], "--bits 16 does not go into a.exr"),
+        (["--samples", "999999999"], "--samples 999999999 is not allowed"),
+        (["--stats", "."], "--stats . is a folder"),
         (["--quality", "best"], "quality"),
         (["--seed", "-1"], "seed"),
         (["--set", "sky.turbidiy=3"], "turbidiy"),
@@ -282,6 +285,11 @@ def test_nonsense_cameras(camera, capsys):
 )
 def test_nonsense_of_other_kinds(arguments, words, capsys):
     assert words in refused(capsys, "jacksboro", *arguments)
+
+
+def test_a_sequence_may_not_leave_the_almanac(capsys):
+    arguments = ["--frames", "9999990:9999991", "--set", "time_scale=1e6"]
+    assert "1700 to 2200" in refused(capsys, "jacksboro", *arguments)
 
 
 def test_unknown_scene(capsys):

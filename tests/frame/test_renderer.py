@@ -108,6 +108,14 @@ def test_layers_are_metric(flight):
     assert 0.01 < frame.albedo[land].mean() < 0.4
 
 
+def test_a_frame_holds_light_depth_and_normals_unasked(flight):
+    frame = fs.render(flight, SIZE, "low", samples=1)
+    assert frame.ldr.shape == frame.hdr.shape == frame.normal.shape == (54, 96, 3)
+    assert frame.depth.shape == (54, 96)
+    assert frame.stats["passes"]
+    assert frame.albedo is None and frame.motion is None
+
+
 def test_exposure_does_not_touch_the_luminance(flight):
     bright = fs.render(flight.updated({"film.compensation": 2}), SIZE, "low", samples=1)
     dark = fs.render(flight.updated({"film.compensation": -2}), SIZE, "low", samples=1)
@@ -132,6 +140,9 @@ def test_calls_and_stats(flight):
         ({"layers": ("z",)}, "unknown"),
         ({"samples": 0}, "1 to 65536"),
         ({"fps": 0}, "above 0"),
+        ({"bits": 12}, "8 or 16"),
+        ({"size": "640x360"}, "two whole numbers"),
+        ({"size": (64.5, 36)}, "two whole numbers"),
     ],
 )
 def test_bad_options_are_refused_in_a_sentence(flight, options, words):

@@ -84,15 +84,14 @@ def camera_overrides(text: str) -> list[str]:
 def check_number(name: str, value: float, low: float, high: float) -> None:
     """Refuse what is outside low..high."""
     if not low <= value <= high:
-        raise UsageError(f"{name} {value:g} is not allowed: it must be {low:g} to {high:g}")
+        raise UsageError(f"{name} {value:.15g} is not allowed: it must be {low:g} to {high:g}")
 
 
 def check_outputs(paths: Sequence[Path], *, sequence: bool) -> None:
     """Refuse, before anything is rendered, what could not be written afterwards."""
     seen: set[Path] = set()
     for path in paths:
-        if path.is_dir():
-            raise UsageError(f"-o {path} is a folder: give a file name in it, such as {path / 'picture.png'}")
+        check_file(path, "-o", "picture.png")
         check_format(path)
         if is_pattern(path) and not sequence:
             raise UsageError(
@@ -101,11 +100,12 @@ def check_outputs(paths: Sequence[Path], *, sequence: bool) -> None:
         if path.absolute() in seen:
             raise UsageError(f"-o {path} is given twice")
         seen.add(path.absolute())
-        check_folder(path, "-o")
 
 
-def check_folder(path: Path, option: str) -> None:
-    """Refuse a file whose folder is not there or not writable."""
+def check_file(path: Path, option: str, example: str = "stats.json") -> None:
+    """Refuse a file that is a folder, or whose folder is not there or not writable."""
+    if path.is_dir():
+        raise UsageError(f"{option} {path} is a folder: give a file name in it, such as {path / example}")
     folder = path.parent
     if not folder.exists():
         raise UsageError(f"{option} {path}: there is no folder {folder}; make it with: mkdir -p {folder}")
@@ -122,6 +122,15 @@ def check_layers_fit(layers: tuple[str, ...] | None, paths: Iterable[Path]) -> N
         raise UsageError(
             f"--layers {','.join(layers)} does not go into {paths[0].name}: a PNG holds only the picture; "
             "add -o with .exr or .npz"
+        )
+
+
+def check_bits_fit(bits: int | None, paths: Iterable[Path]) -> None:
+    """Refuse a depth of bits that no output has."""
+    paths = list(paths)
+    if bits is not None and all(path.suffix.lower() != ".png" for path in paths):
+        raise UsageError(
+            f"--bits {bits} does not go into {paths[0].name}: only a PNG has 8 or 16; add -o with .png"
         )
 
 

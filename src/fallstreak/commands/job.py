@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -135,8 +134,7 @@ class Job:
         }
 
         def facts(index: int) -> dict[str, Any]:
-            elapsed = timedelta(seconds=index / fps * self.world.time_scale)
-            return {**fixed, "frame": index, "time": (self.world.time + elapsed).isoformat()}
+            return {**fixed, "frame": index, "time": self.world.time_at(index / fps).isoformat()}
 
         return facts
 

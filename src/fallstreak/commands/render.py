@@ -33,7 +33,7 @@ def render(
     quality: Literal["low", "medium", "high", "ultra"] = "high",
     samples: int | None = None,
     seed: int | None = None,
-    bits: int = 8,
+    bits: int | None = None,
     stats: Path | None = None,
     adapter: str | None = None,
     verbose: Annotated[bool, Parameter(name=["-v", "--verbose"], negative="", show_default=False)] = False,
@@ -71,7 +71,7 @@ def render(
     seed
         Of everything random.
     bits
-        Of a .png, 8 or 16 per channel.
+        Of a .png, 8 or 16 per channel. [default: 8]
     stats
         Also write adapter, times per pass and frame, and memory to this JSON file.
     adapter
@@ -84,7 +84,7 @@ def render(
     check.check_number("--fps", fps, 1e-3, 1e4)
     if samples is not None:
         check.check_number("--samples", samples, 1, 65536)
-    if bits not in (8, 16):
+    if bits not in (None, 8, 16):
         raise check.UsageError(f"--bits {bits} is not allowed: it must be 8 or 16")
     chosen = check.parse_layers(layers) if layers is not None else None
     overrides = list(set)
@@ -95,8 +95,9 @@ def render(
     paths = output or (Path(f"{Path(scene).stem}.png"),)
     check.check_outputs(paths, sequence=numbers is not None)
     check.check_layers_fit(chosen, paths)
+    check.check_bits_fit(bits, paths)
     if stats is not None:
-        check.check_folder(stats, "--stats")
+        check.check_file(stats, "--stats")
     job = Job(
         world,
         {
@@ -104,7 +105,7 @@ def render(
             "quality": quality,
             "samples": samples,
             "layers": _rendered_layers(chosen, paths),
-            "bits": bits,
+            "bits": bits or 8,
             "adapter": adapter,
         },
         layers=chosen,

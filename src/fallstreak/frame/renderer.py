@@ -11,8 +11,8 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping
-from datetime import timedelta
 from functools import lru_cache
+from operator import index as whole_number
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -70,7 +70,7 @@ class Renderer:
         for the exposure.
     still : bool
         Frames stand alone: no motion, the exposure settles at once. `render` uses it.
-    layers : sequence of str
+    layers : sequence of str, or one
         What to keep of a frame besides the picture: "hdr", "depth", "normal", "albedo", "motion".
     bits : 8 or 16
         Of the picture.
@@ -102,8 +102,11 @@ class Renderer:
         self.size = _checked_size(size)
         if not 0.0 < fps <= 1e4:
             raise ValueError(f"fps = {fps} must be above 0 and at most 10000")
+        if bits not in (8, 16):
+            raise ValueError(f"bits = {bits} must be 8 or 16")
         if samples is not None and not 1 <= samples <= 65536:
             raise ValueError(f"samples = {samples} must be 1 to 65536")
+        layers = (layers,) if isinstance(layers, str) else layers
         unknown = [name for name in layers if name not in LAYERS]
         if unknown:
             raise ValueError(f"layer {unknown[0]!r} is unknown; there are {', '.join(LAYERS)}")
@@ -236,13 +239,12 @@ class Renderer:
     def state(self, index: int, jitter: tuple[float, float] = (0.0, 0.0), sample: int = 0) -> FrameState:
         """What the systems are told of frame `index`."""
         seconds = index / self.fps
-        elapsed = seconds * self.world.time_scale
         camera = self._camera(seconds)
         before = camera if self.still else self._camera((index - 1) / self.fps)
         return FrameState(
             index=index,
-            time=elapsed,
-            utc=self.world.time + timedelta(seconds=elapsed),
+            time=seconds * self.world.time_scale,
+            utc=self.world.time_at(seconds),
             delta=0.0 if self.still else self.world.time_scale / self.fps,
             seed=self.world.seed,
             size=self.size,
@@ -382,13 +384,14 @@ def render(
     quality: str | Quality = "high",
     *,
     samples: int | None = None,
-    layers: tuple[str, ...] | list[str] = ("hdr",),
+    layers: tuple[str, ...] | list[str] = ("hdr", "depth", "normal"),
     bits: Literal[8, 16] = 8,
     adapter: str | None = None,
 ) -> Frame:
     """Render one still.
 
-    Parameters are those of `Renderer`. Returns a `Frame` with its times in `.stats`.
+    Parameters are those of `Renderer`. Returns a `Frame` with its times in `.stats`; of its layers, `.hdr`,
+    `.depth` and `.normal` are there unless others are asked for.
 
     Examples
     --------
@@ -414,7 +417,10 @@ def _quality(quality: str | Quality) -> Quality:
 
 
 def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    width, height = (int(n) for n in size)
+    try:
+        width, height = (whole_number(n) for n in size)
+    except (TypeError, ValueError):
+        raise ValueError(f"size = {size!r} must be two whole numbers, (width, height)") from None
     if not (16 <= width <= 8192 and 16 <= height <= 8192):
         raise ValueError(f"size {width}x{height} must be 16 to 8192 pixels each way")
     return width, height

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, AwareDatetime, BeforeValidator, PrivateAttr, ValidationError
 
 from .camera import Camera
+from .errors import WorldError
 from .explain import Layer, explain
 from .fields import Number, Section, Whole, choice, quantity, table
 from .film import Film
@@ -27,9 +28,13 @@ def _moment(value: Any) -> Any:
     raise ValueError("it must be a date and time with its zone, such as 2025-10-18T18:28:00-04:00")
 
 
+_FIRST_YEAR, _LAST_YEAR = 1700, 2200
+_ALMANAC = f"the almanac of sun and moon holds for the years {_FIRST_YEAR} to {_LAST_YEAR}"
+
+
 def _in_almanac(value: datetime) -> datetime:
-    if not 1700 <= value.year <= 2200:
-        raise ValueError("the almanac of sun and moon holds for the years 1700 to 2200")
+    if not _FIRST_YEAR <= value.year <= _LAST_YEAR:
+        raise ValueError(_ALMANAC)
     return value
 
 
@@ -102,6 +107,22 @@ class World(Section):
     def folder(self) -> Path | None:
         """The folder of the file the world came from; None for one made in Python."""
         return self._folder
+
+    def time_at(self, seconds: float) -> datetime:
+        """Date and time in the scene when a sequence has run for ``seconds``: ``time_scale`` counts.
+
+        Raises
+        ------
+        WorldError
+            When that is beyond the years for which the places of sun and moon are known.
+        """
+        try:
+            return _in_almanac(self.time + timedelta(seconds=seconds * self.time_scale))
+        except (OverflowError, ValueError):
+            raise WorldError(
+                f"{seconds:g} s of sequence at time_scale = {self.time_scale:g} lead from "
+                f"{self.time.isoformat()} too far: {_ALMANAC}"
+            ) from None
 
     def updated(self, changes: Mapping[str, Any]) -> World:
         """This world with changes: ``world.updated({"sky.turbidity": 4, "camera": {"fov": 30}})``.
