@@ -35,7 +35,10 @@ def check(
             world = load(scene, overrides)
             if world.terrain.source == "file":
                 # Building the ground takes seconds; whether its file can be read is known at once.
-                read_elevation(world.terrain.path or shipped_path(world.terrain.file))
+                try:
+                    read_elevation(world.terrain.path or shipped_path(world.terrain.file))
+                except UserError as error:
+                    raise UserError(f"{scene}: {error}") from None
         except UserError as error:
             bad += 1
             print("".join(c if c.isprintable() else "·" for c in str(error)), file=sys.stderr)

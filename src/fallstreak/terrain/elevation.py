@@ -89,8 +89,15 @@ def read_elevation(path: str | Path) -> ElevationGrid:
         With file, key and what is allowed, for anything that is missing, broken or not understood.
     """
     path = Path(path)
+    try:
+        return _read(path)
+    except WorldError as error:
+        raise WorldError(f"terrain.file: {error}") from None
+
+
+def _read(path: Path) -> ElevationGrid:
     if not path.is_file():
-        raise WorldError(f"{path}: terrain.file does not exist; give a .npz or GeoTIFF with elevations")
+        raise WorldError(f"{path} does not exist; give a .npz or GeoTIFF with elevations")
     ending = path.suffix.lower()
     if ending == ".npz":
         return _read_npz(path)
@@ -98,9 +105,7 @@ def read_elevation(path: str | Path) -> ElevationGrid:
         from .geotiff import read_geotiff
 
         return read_geotiff(path)
-    raise WorldError(
-        f'{path}: terrain.file ends in "{path.suffix}"; elevations are read from .npz, .tif and .tiff'
-    )
+    raise WorldError(f'{path} ends in "{path.suffix}"; elevations are read from .npz, .tif and .tiff')
 
 
 def _read_npz(path: Path) -> ElevationGrid:
