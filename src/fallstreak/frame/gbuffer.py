@@ -18,9 +18,6 @@ ATTACHMENTS = {
 }
 COLOR = tuple(ATTACHMENTS)
 
-#: material ids, as in gbuffer.wesl
-MATERIALS = {"ground": 0, "water": 1, "snow": 2, "vegetation": 3, "rock": 4}
-
 
 def add_gbuffer(graph, size):
     """Declare the G-buffer of ``size`` = (width, height) pixels: all zero, depth 0 = infinitely far

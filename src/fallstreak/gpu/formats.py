@@ -25,9 +25,6 @@ _FORMATS: dict[str, tuple[type[np.generic], int]] = {
     "depth32float": (np.float32, 1),
 }
 
-ATTACHMENT_COST = {"rgba8unorm": 8, "rgba8unorm-srgb": 8, "rgb10a2unorm": 8, "rg11b10ufloat": 8}
-"""Bytes per sample that WebGPU counts for a colour attachment, where they differ from the memory."""
-
 
 def is_depth(fmt: str) -> bool:
     """Whether the format is a depth format."""
@@ -49,8 +46,3 @@ def texel_bytes(fmt: str) -> int:
     """Bytes of one texel in memory."""
     kind, count = texel(fmt)
     return kind.itemsize * count
-
-
-def attachment_bytes(fmt: str) -> int:
-    """Bytes per sample counted against `maxColorAttachmentBytesPerSample` (WebGPU, 26.1)."""
-    return ATTACHMENT_COST.get(fmt, texel_bytes(fmt))

@@ -43,9 +43,6 @@ MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
-_FARTHEST = (
-    0.5  # rad from the anchor: beyond it placement.wesl's series end, and so does the view of the terrain
-)
 _TILE = 4096
 
 
