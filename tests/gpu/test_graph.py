@@ -15,8 +15,13 @@ def counter(device: Device, **options) -> FrameGraph:
     graph = FrameGraph(device)
     graph.texture("count", "r32float", (20, 10), history=True)
     graph.compute(
-        "count", MODULE, entry="count", bind={"before": "count@previous", "after": "count"}, groups=(3, 2, 1), **options
-    )  # fmt: skip
+        "count",
+        MODULE,
+        entry="count",
+        bind={"before": "count@previous", "after": "count"},
+        groups=(3, 2, 1),
+        **options,
+    )
     graph.output("count")
     graph.compile()
     return graph
@@ -79,8 +84,11 @@ def test_mips_average(device):
     graph.texture_data("image", image, "rgba8unorm", mips=True)
     graph.texture("copy", "rgba8unorm", (4, 4))
     graph.fullscreen(
-        "copy", "package::gpu::mips", color=["copy"], bind={"above": "image:mip1", "linear": "sampler:linear-clamp"}
-    )  # fmt: skip
+        "copy",
+        "package::gpu::mips",
+        color=["copy"],
+        bind={"above": "image:mip1", "linear": "sampler:linear-clamp"},
+    )
     graph.output("copy")
     graph.compile()
     graph.execute()
@@ -96,9 +104,13 @@ def test_a_sometimes_pass_keeps_its_result_and_demands_persistence(device):
     graph.texture("image", "rgba32float", (8, 8), persistent=True)
     asked = []
     graph.compute(
-        "image", MODULE, entry="gradient", bind={"gradient_image": "image"}, groups=(1, 1, 1),
+        "image",
+        MODULE,
+        entry="gradient",
+        bind={"gradient_image": "image"},
+        groups=(1, 1, 1),
         when=lambda: bool(asked.append(1)),
-    )  # fmt: skip
+    )
     graph.output("image")
     graph.compile()
     graph.execute()

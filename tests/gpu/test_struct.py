@@ -26,8 +26,15 @@ OUTER = Struct(
 def test_offsets_follow_the_specification():
     offsets = {n: OUTER.dtype.fields[n][1] for n in OUTER.dtype.names}
     assert offsets == {
-        "first": 0, "direction": 16, "tail": 28, "turn": 32, "place": 80, "many": 144, "inner": 192, "last": 208,
-    }  # fmt: skip
+        "first": 0,
+        "direction": 16,
+        "tail": 28,
+        "turn": 32,
+        "place": 80,
+        "many": 144,
+        "inner": 192,
+        "last": 208,
+    }
     assert OUTER.size == 224
 
 
@@ -45,16 +52,25 @@ def test_pack_refuses_what_does_not_fit():
 def test_the_gpu_reads_what_python_wrote(device):
     rng = np.random.default_rng(1)
     values = {
-        "first": 1.5, "direction": (2, 3, 4), "tail": 5.0, "turn": rng.normal(size=(3, 3)), "place": rng.normal(size=(4, 4)),
-        "many": rng.normal(size=(3, 4)), "inner": {"a": (6, 7), "b": 8}, "last": -9,
-    }  # fmt: skip
+        "first": 1.5,
+        "direction": (2, 3, 4),
+        "tail": 5.0,
+        "turn": rng.normal(size=(3, 3)),
+        "place": rng.normal(size=(4, 4)),
+        "many": rng.normal(size=(3, 4)),
+        "inner": {"a": (6, 7), "b": 8},
+        "last": -9,
+    }
     graph = FrameGraph(device)
     graph.uniform("test.outer", OUTER).set(**values)
     graph.buffer("test.out", 4 * 24)
     graph.compute(
-        "test", "package::gpu::selftest_struct", bind={"outer": "test.outer", "result": "test.out"}, groups=(1, 1, 1),
+        "test",
+        "package::gpu::selftest_struct",
+        bind={"outer": "test.outer", "result": "test.out"},
+        groups=(1, 1, 1),
         structs=[OUTER],
-    )  # fmt: skip
+    )
     graph.output("test.out")
     graph.compile()
     graph.execute()

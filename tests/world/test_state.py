@@ -23,7 +23,7 @@ def test_places_come_back(place):
     position = position_on_planet(east, north, height, RADIUS)
     assert height_of(position, RADIUS) == pytest.approx(height, abs=1e-6)
     assert map_coordinates(position, RADIUS) == pytest.approx((east, north), abs=1e-6)
-    assert np.linalg.norm(position + [0, 0, RADIUS]) == pytest.approx(RADIUS + height, abs=1e-6)
+    assert np.linalg.norm(position + np.array([0, 0, RADIUS])) == pytest.approx(RADIUS + height, abs=1e-6)
 
 
 def test_the_ground_falls_away_by_half_the_square_over_the_radius():
