@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fallstreak as fs
+from fallstreak.gpu import GpuError
 
 SIZE = (96, 54)
 
@@ -92,6 +93,13 @@ def test_a_still_survives_a_lost_device(flight):
         got = renderer.render()
     np.testing.assert_array_equal(got.ldr, want.ldr)
     np.testing.assert_array_equal(got.hdr, want.hdr)
+
+
+def test_a_closed_renderer_does_not_come_back(flight):
+    with fs.Renderer(flight, SIZE, "low") as renderer:
+        pass
+    with pytest.raises(GpuError, match="closed"):
+        renderer.render(0)
 
 
 def test_layers_are_metric(flight):

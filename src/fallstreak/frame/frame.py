@@ -37,7 +37,8 @@ class Frame:
     metadata : dict
         Scene, time, frame, seed, version, adapter, size, samples, ev100: the same for every run.
     stats : dict
-        GPU and CPU times per pass, bytes of memory.
+        GPU and CPU times per pass, bytes of memory (see `Renderer.stats`). A frame of a `Renderer` has only
+        `frame_ms`: to read the others would stop the sequence.
     """
 
     metadata: Mapping[str, Any]

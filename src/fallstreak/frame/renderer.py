@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
-from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, Pending
+from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, GpuError, Pending
 from fallstreak.world.quality import QUALITY, Quality
 from fallstreak.world.state import (
     CameraState,
@@ -125,6 +125,7 @@ class Renderer:
         self._keeping: tuple[int, dict[str, Pending]] | None = None
         self._position: int | None = None
         self._cameras: dict[Pose, CameraState] = {}
+        self._closed = False
         self.device = Device.open(adapter)
         self._build()
 
@@ -136,6 +137,7 @@ class Renderer:
 
     def close(self) -> None:
         """Give the GPU's memory back; the renderer cannot be used afterwards."""
+        self._closed = True
         self.device.destroy()
 
     # ---- frames ----------------------------------------------------------------------------------------
@@ -286,6 +288,8 @@ class Renderer:
 
     def _recover(self, attempts: int = 3) -> None:
         """Build everything anew on a new device and replay the frames since the last checkpoint."""
+        if self._closed:
+            raise GpuError("this renderer is closed: make another one")
         for attempt in range(attempts):
             try:
                 self.device = Device.open(self._adapter)

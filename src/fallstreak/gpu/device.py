@@ -9,7 +9,7 @@ import weakref
 from typing import Any
 
 from .adapters import CAPABILITIES, LIMITS, AdapterInfo, choose
-from .errors import DeviceLostError, GpuError, translated
+from .errors import GpuError, translated
 from .formats import texel_bytes
 from .shader import Shaders
 
@@ -131,14 +131,6 @@ class Device:
     def _count(self, counter: str, resource: Any, size: int) -> None:
         setattr(self, counter, getattr(self, counter) + size)
         weakref.finalize(resource, _forget, weakref.ref(self), counter, size)
-
-    def check(self) -> None:
-        """Raise `DeviceLostError` if the device has gone."""
-        try:
-            with translated("checking the device"):
-                self.native.create_buffer(size=16, usage=8)
-        except DeviceLostError:
-            raise
 
 
 def _forget(device: weakref.ref[Device], counter: str, size: int) -> None:
