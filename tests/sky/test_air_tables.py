@@ -50,6 +50,14 @@ def test_transmittance_everywhere(clear):
     assert (table <= 1.0).all() and (table >= 0.0).all()
 
 
+def test_the_transmittance_s_mapping_comes_back():
+    """The texels of the table's edges and inside: from coordinates to a place and back."""
+    v, u = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 9), indexing="ij")
+    u, v = u[:-1], v[:-1]  # the last row is the top of the air, from which all distances upwards are nothing
+    found = tables.transmittance_from_place(REFERENCE, *tables.place_from_transmittance(REFERENCE, u, v))
+    np.testing.assert_allclose(found, (u, v), atol=1e-6)
+
+
 def test_multiple_scattering(clear):
     """Within 3 % of the model, where the sun gives more than 1e-5 of its best."""
     table = clear.graph.read("sky.multiscattering")[..., :3].astype(float)
