@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 
 from fallstreak.world.state import (
+    CameraState,
+    FrameState,
     camera_rotation,
     clip_from_camera,
     height_of,
     local_axes,
     map_coordinates,
     position_on_planet,
+    view_values,
 )
 
 RADIUS = 6360e3
@@ -67,3 +72,22 @@ def test_jitter_moves_the_sampling_point_right_and_down():
         return np.array([clip[0] / clip[3] / 2 * size[0], -clip[1] / clip[3] / 2 * size[1]])
 
     np.testing.assert_allclose(pixel((0, 0)) - pixel(jitter), jitter, atol=1e-9)
+
+
+def test_view_matrices_are_inverses_and_know_the_frame_before():
+    now = CameraState(
+        position_on_planet(900, -40, 30, RADIUS), camera_rotation(0.3, -0.2, 0.1, np.eye(3)), 0.8
+    )
+    before = CameraState(
+        position_on_planet(880, -41, 29, RADIUS), camera_rotation(0.2, -0.1, 0.0, np.eye(3)), 0.7
+    )
+    state = FrameState(
+        5, 0.0, datetime(2025, 1, 1, tzinfo=UTC), 0.1, 0, (320, 180), RADIUS, now, before, (0.2, 0.3)
+    )
+    values = view_values(state)
+    np.testing.assert_allclose(values["world_from_clip"] @ values["clip_from_world"], np.eye(4), atol=1e-12)
+    point = np.array([120.0, 300.0, -20.0])
+    clip = values["previous_clip_from_world"] @ [*point, 1.0]
+    seen = before.rotation.T @ (point + now.position - before.position)
+    want = clip_from_camera(0.7, (320, 180), 0.1, (0, 0)) @ [*seen, 1.0]
+    np.testing.assert_allclose(clip, want, atol=1e-9)

@@ -190,12 +190,11 @@ class Compiled:
                 step.cpu_ms = (time.perf_counter() - started) * 1e3
             self.timing.resolve(encoder)
             pending = {name: self._copy_of(name, parity) for name in read}
-            for copy in pending.values():
-                copy.record(encoder)
+            copies = self._readback.record(encoder, pending.values())
             commands = encoder.finish()
             recorded = time.perf_counter()
             self.device.queue.submit([commands])
-            for copy in pending.values():
+            for copy in copies:
                 copy.begin()
         self._ms = {"record": (recorded - begin) * 1e3, "submit": (time.perf_counter() - recorded) * 1e3}
         self._calls = calls + 4

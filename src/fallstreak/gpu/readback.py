@@ -8,7 +8,7 @@ result when it wants it. Staging buffers are pooled.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -21,29 +21,63 @@ _MAP_READ = 0x0001
 _COPY_DST = 0x0008
 
 
+class Staging:
+    """A mappable buffer that several copies share: one mapping costs as much as ten."""
+
+    def __init__(self, pool: Readback, size: int):
+        self._pool, self._size = pool, size
+        self.buffer: Any = pool.take(size)
+        self._promise: Any = None
+        self._waiting = 0
+
+    def join(self) -> None:
+        """One more copy will be taken from here."""
+        self._waiting += 1
+
+    def begin(self) -> None:
+        """Ask for the buffer to be mapped once the GPU has filled it."""
+        if self._promise is None:
+            # Plain "READ" would submit an empty command buffer first, which on lavapipe waits for the frame.
+            self._promise = self.buffer.map_async("READ_NOSYNC", 0, self._size)
+
+    def take(self, offset: int, size: int, finish: Callable[[memoryview], Any]) -> Any:
+        """Wait, and hand a part to `finish`, which copies it; the last one gives the buffer back."""
+        with translated("reading back"):
+            self._promise.sync_wait()
+            value = finish(self.buffer.read_mapped(offset, size, copy=False))
+            self._waiting -= 1
+            if self._waiting == 0:
+                self.buffer.unmap()
+                self._pool.give(self._size, self.buffer)
+        return value
+
+
 class Pending:
     """A read-back under way."""
 
     def __init__(
-        self,
-        pool: Readback,
-        record: Callable[[Any, Any], None],
-        size: int,
-        finish: Callable[[memoryview], Any],
+        self, record: Callable[[Any, Any, int], None], size: int, finish: Callable[[memoryview], Any]
     ):
-        self._pool, self._record, self._size, self._finish = pool, record, size, finish
-        self._buffer: Any = pool.take(size)
-        self._promise: Any = None
+        self._record, self.size, self._finish = record, size, finish
+        self._staging: Staging | None = None
+        self._offset = 0
         self._value: Any = None
 
-    def record(self, encoder: Any) -> None:
-        """Record the copy into an encoder; `begin` comes after its submission."""
-        self._record(encoder, self._buffer)
+    @property
+    def parts(self) -> list[Pending]:
+        """The single copies that this is made of."""
+        return [self]
+
+    def record(self, encoder: Any, staging: Staging, offset: int) -> None:
+        """Record the copy into an encoder, to a place in a staging buffer."""
+        self._staging, self._offset = staging, offset
+        staging.join()
+        self._record(encoder, staging.buffer, offset)
 
     def begin(self) -> None:
-        """Ask for the copy to be mapped once the GPU has made it."""
-        # Plain "READ" would submit an empty command buffer first, which on lavapipe waits for the frame.
-        self._promise = self._buffer.map_async("READ_NOSYNC", 0, self._size)
+        """To be called after the submission."""
+        assert self._staging is not None
+        self._staging.begin()
 
     def result(self) -> Any:
         """Wait until the data is there and return it; may be called again.
@@ -53,13 +87,9 @@ class Pending:
         DeviceLostError
             When the GPU went away meanwhile.
         """
-        if self._buffer is not None:
-            with translated("reading back"):
-                self._promise.sync_wait()
-                self._value = self._finish(self._buffer.read_mapped(copy=False))
-                self._buffer.unmap()
-            self._pool.give(self._size, self._buffer)
-            self._buffer = None
+        if self._staging is not None:
+            self._value = self._staging.take(self._offset, self.size, self._finish)
+            self._staging = None
         return self._value
 
 
@@ -69,15 +99,10 @@ class Stacked(Pending):
     def __init__(self, parts: list[Pending]):
         self._parts = parts
 
-    def record(self, encoder: Any) -> None:
-        """As `Pending.record`."""
-        for part in self._parts:
-            part.record(encoder)
-
-    def begin(self) -> None:
-        """As `Pending.begin`."""
-        for part in self._parts:
-            part.begin()
+    @property
+    def parts(self) -> list[Pending]:
+        """The bands."""
+        return self._parts
 
     def result(self) -> np.ndarray:
         """As `Pending.result`, the bands one under the other."""
@@ -100,13 +125,33 @@ class Readback:
         """Take a staging buffer back."""
         self._free[size].append(buffer)
 
+    def record(self, encoder: Any, copies: Iterable[Pending]) -> list[Pending]:
+        """Record copies into an encoder, as many to a staging buffer as fit; returns what to `begin`."""
+        parts = [part for copy in copies for part in copy.parts]
+        limit = self._device.limits["max-buffer-size"]
+        start = 0
+        while start < len(parts):
+            end, offsets = 0, []
+            for part in parts[start:]:
+                offset = -(-end // 256) * 256
+                if offsets and offset + part.size > limit:
+                    break
+                offsets.append(offset)
+                end = offset + part.size
+            staging = Staging(self, end)
+            for part, offset in zip(parts[start:], offsets, strict=False):
+                part.record(encoder, staging, offset)
+            start += len(offsets)
+        return parts
+
     def now(self, pending: Pending) -> Pending:
         """Submit a copy on its own."""
         with translated("reading back"):
             encoder = self._device.native.create_command_encoder(label="readback")
-            pending.record(encoder)
+            parts = self.record(encoder, [pending])
             self._device.queue.submit([encoder.finish()])
-            pending.begin()
+            for part in parts:
+                part.begin()
         return pending
 
     def buffer(self, source: Any, size: int, dtype: Any = np.uint8) -> Pending:
@@ -116,7 +161,7 @@ class Readback:
         def finish(data: memoryview) -> np.ndarray:
             return np.frombuffer(data, np.uint8).copy().view(dtype)
 
-        return Pending(self, lambda e, b: e.copy_buffer_to_buffer(source, 0, b, 0, size), size, finish)
+        return Pending(lambda e, b, o: e.copy_buffer_to_buffer(source, 0, b, o, size), size, finish)
 
     def texture(self, source: Any, fmt: str, size: tuple[int, int, int], mip: int = 0) -> Pending:
         """A copy of a texture as ([depth,] height, width[, components]); not begun yet."""
@@ -138,11 +183,11 @@ class Readback:
         pitch = -(-row // 256) * 256
         total = pitch * h * d
 
-        def record(encoder: Any, staging: Any) -> None:
+        def record(encoder: Any, staging: Any, offset: int) -> None:
             where: dict[str, Any] = {"texture": source, "mip_level": mip, "origin": (0, top, 0)}
             if is_depth(fmt):
                 where["aspect"] = "depth-only"
-            layout = {"buffer": staging, "offset": 0, "bytes_per_row": pitch, "rows_per_image": h}
+            layout = {"buffer": staging, "offset": offset, "bytes_per_row": pitch, "rows_per_image": h}
             encoder.copy_texture_to_buffer(where, layout, size)
 
         def finish(data: memoryview) -> np.ndarray:
@@ -153,4 +198,4 @@ class Readback:
                 values = values[..., 0]
             return values[0] if d == 1 else values
 
-        return Pending(self, record, total, finish)
+        return Pending(record, total, finish)

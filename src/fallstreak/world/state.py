@@ -175,20 +175,18 @@ def clip_from_camera(
 def view_values(state: FrameState) -> dict[str, object]:
     """The fields of the `View` uniform for a frame; matrices are computed in float64."""
     camera, before = state.camera, state.previous_camera
-    still = clip_from_camera(camera.fov, state.size, camera.near, (0.0, 0.0)) @ _camera_from_world(camera)
-    jittered = clip_from_camera(camera.fov, state.size, camera.near, state.jitter) @ _camera_from_world(
-        camera
-    )
-    previous = clip_from_camera(before.fov, state.size, before.near, (0.0, 0.0)) @ _camera_from_world(before)
-    shift = np.eye(4)
-    shift[:3, 3] = camera.position - before.position
+    still = clip_from_camera(camera.fov, state.size, camera.near, (0.0, 0.0))
+    jittered = clip_from_camera(camera.fov, state.size, camera.near, state.jitter)
+    previous = _from_world(clip_from_camera(before.fov, state.size, before.near, (0.0, 0.0)), before)
+    # Camera-relative positions of now, shifted to be relative to the camera before.
+    previous[:, 3] += previous[:, :3] @ (camera.position - before.position)
     centre = camera.position + np.array([0.0, 0.0, state.planet_radius])
     width, height = state.size
     return {
-        "clip_from_world": jittered,
-        "world_from_clip": np.linalg.inv(jittered),
-        "clip_from_world_still": still,
-        "previous_clip_from_world": previous @ shift,
+        "clip_from_world": _from_world(jittered, camera),
+        "world_from_clip": _to_world(jittered, camera),
+        "clip_from_world_still": _from_world(still, camera),
+        "previous_clip_from_world": previous,
         "up": centre / np.linalg.norm(centre),
         "altitude": state.altitude,
         "camera": camera.position,
@@ -205,7 +203,19 @@ def view_values(state: FrameState) -> dict[str, object]:
     }
 
 
-def _camera_from_world(camera: CameraState) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = camera.rotation.T
+def _from_world(clip_from_camera: np.ndarray, camera: CameraState) -> np.ndarray:
+    """Clip space from world axes about the camera."""
+    matrix = clip_from_camera.copy()
+    matrix[:, :3] = clip_from_camera[:, :3] @ camera.rotation.T
     return matrix
+
+
+def _to_world(p: np.ndarray, camera: CameraState) -> np.ndarray:
+    """The inverse of `_from_world`, written down: the projection has six entries."""
+    inverse = np.zeros((4, 4))
+    inverse[0, 0], inverse[0, 3] = 1.0 / p[0, 0], p[0, 2] / p[0, 0]
+    inverse[1, 1], inverse[1, 3] = 1.0 / p[1, 1], p[1, 2] / p[1, 1]
+    inverse[2, 3] = -1.0
+    inverse[3, 2] = 1.0 / p[2, 3]
+    inverse[:3] = camera.rotation @ inverse[:3]
+    return inverse
