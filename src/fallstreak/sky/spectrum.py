@@ -3,9 +3,9 @@
 Airs are *given* at 680, 550 and 440 nm (`GIVEN`), those of Bruneton 2017, and *computed* at 625, 540
 and 448 nm (`BANDS`), which stand for red, green and blue: over clear and hazy skies with the sun from 60° to
 -9° their radiances, each times one factor, come closest to the Rec. 709 luminance of a full spectral
-computation (error of a channel over luminance: 0.06 in the mean of 120 directions). 680, 550 and 440 nm miss
-the middle of the ozone's absorption at 600 nm; they leave 0.40 and turn every dusk purple. The same three
-serve the setting sun, whose red at 680 nm would come out too strong. docs/sky.md has the table.
+computation (error of a channel over luminance: 0.07, rms of 120 directions). 680, 550 and 440 nm miss
+the middle of the ozone's absorption at 600 nm; they leave 0.54 and turn every dusk purple. The same three
+serve the setting sun, whose red at 680 nm would come out too strong. `fallstreak bench spectrum` prints it.
 
 A sunlit spectrum S(λ) scattered by air goes as S(λ) (λ₀/λ)³ about each wavelength (between Rayleigh's fourth
 power and aerosol's none), so that radiance at λ₀ becomes Rec. 709 luminance by a factor integrated once
@@ -83,24 +83,31 @@ def at_bands(coefficients: Sequence[float]) -> np.ndarray:
     return np.exp(np.interp(np.log(BANDS), np.log(GIVEN[::-1]), np.log(values)))
 
 
-def ozone_at_bands(coefficients: Sequence[float]) -> np.ndarray:
-    """Absorption at `BANDS` from that at `GIVEN`, by the shape of ozone's Chappuis band."""
+def ozone_at_bands(coefficients: Sequence[float], bands: np.ndarray = BANDS) -> np.ndarray:
+    """Absorption at `bands` (nm) from that at `GIVEN`, by the shape of ozone's Chappuis band."""
     share = np.asarray(coefficients, float) / np.interp(GIVEN, _GRID, _OZONE)
-    return np.interp(BANDS, GIVEN[::-1], share[::-1]) * np.interp(BANDS, _GRID, _OZONE)
+    return np.interp(bands, GIVEN[::-1], share[::-1]) * np.interp(bands, _GRID, _OZONE)
 
 
-def luminance_factors(power: float) -> np.ndarray:
-    """Rec. 709 luminance (cd/m²) per spectral radiance (W m⁻² sr⁻¹ nm⁻¹) at `BANDS`.
+def rec709_matching(wavelength: np.ndarray) -> np.ndarray:
+    """Linear Rec. 709 red, green and blue of light at wavelengths in nm, shape (3, n)."""
+    return _REC709_FROM_XYZ @ colour_matching(wavelength)
+
+
+def luminance_factors(power: float, bands: np.ndarray = BANDS) -> np.ndarray:
+    """Rec. 709 luminance (cd/m²) per spectral radiance (W m⁻² sr⁻¹ nm⁻¹) at three wavelengths.
 
     Parameters
     ----------
     power : float
         The spectrum is taken as the sun's times (λ / λ₀)^power: 0 for sunlight, -3 for skylight.
+    bands : ndarray
+        λ₀ for red, green and blue, nm.
     """
     grid = np.arange(360.0, 831.0, 1.0)
-    bar = _REC709_FROM_XYZ @ colour_matching(grid)
-    shape = solar_irradiance(grid) / solar_irradiance(BANDS)[:, None]
-    return MAX_LUMINOUS_EFFICACY * np.sum(bar * shape * (grid / BANDS[:, None]) ** power, axis=1)
+    shape = solar_irradiance(grid) / solar_irradiance(bands)[:, None]
+    relative = shape * (grid / bands[:, None]) ** power
+    return MAX_LUMINOUS_EFFICACY * np.sum(rec709_matching(grid) * relative, axis=1)
 
 
 SUN_ILLUMINANCE = luminance_factors(0.0) * solar_irradiance(BANDS)
