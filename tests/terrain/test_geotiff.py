@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import tifffile
 
 from fallstreak.terrain.elevation import read_elevation
 from fallstreak.terrain.projection import geographic_from_utm
 from fallstreak.world.errors import WorldError
 
-tifffile = pytest.importorskip("tifffile")
 PLACE, RADIUS = (46.0, 8.0), 6.36e6
 
 
