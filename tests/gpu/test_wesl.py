@@ -80,6 +80,27 @@ def test_workgroup_size(size, expected):
     assert linked.entries["main"].stage == "compute"
 
 
+def test_a_constant_may_choose_a_module():
+    """The way to write code once over several modules with the same functions."""
+    sources = {
+        "a": "fn f() -> f32 { return g(); } fn g() -> f32 { return 1.0; }",
+        "b": "fn f() -> f32 { return 2.0; }",
+        "x": "import constants::KIND::f; import constants::N; " + COMPUTE + "{ _ = f() * f32(N); }",
+    }
+
+    def linked(kind):
+        return link(
+            "package::x",
+            resolve=lambda path: (sources[path[0]], path[0]) if path[0] in sources else None,
+            virtual={"constants": {"KIND": kind, "N": 3}},
+        ).code
+
+    assert "fn a_g" in linked("package::a") and "2.0" not in linked("package::a")
+    assert "fn b_f" in linked("package::b") and "a_g" not in linked("package::b")
+    with pytest.raises(WeslError, match="there is no module package::nowhere"):
+        linked("package::nowhere")
+
+
 def test_constants_of_numpy():
     values = {
         "A": np.float32(0.5),

@@ -41,8 +41,9 @@ class Shaders:
         entries : sequence of str
             Entry points to keep; everything they do not reach is dropped.
         flags, constants, structs
-            Values for `@if`, the virtual package `constants`, and the virtual package `structs`
-            (in which `View` is always present).
+            Values for `@if`, the virtual package `constants` (a string there is the path of a module, whose
+            declarations are then imported as `constants::NAME::…`), and the virtual package `structs` (in
+            which `View` is always present).
 
         Raises
         ------

@@ -15,7 +15,8 @@ specification (W3C). Supported:
   paths anywhere in the code; modules may import each other in circles; an import is private to its module;
 - ``@if``, ``@elif``, ``@else`` on directives, imports, declarations, struct members, parameters, statements
   and switch clauses; a flag that was not given is an error;
-- virtual packages, ``constants`` (values from Python) and ``structs`` (declarations from Python);
+- virtual packages, ``constants`` (values from Python, or modules that Python chooses) and ``structs``
+  (declarations from Python);
 - ``enable``, ``requires`` and ``diagnostic`` of all modules, gathered at the top;
 - only what the entry points reach is written; ``const_assert`` stays for every module that is reached.
 

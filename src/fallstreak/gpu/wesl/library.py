@@ -61,10 +61,19 @@ source = lru_cache(maxsize=1024)(Source)
 class Library:
     """All modules one link may see, under its flags."""
 
-    def __init__(self, resolve: Resolver | None, flags: Mapping[str, bool], virtual: Mapping[str, str]):
+    def __init__(self, resolve: Resolver | None, flags: Mapping[str, bool], virtual: Mapping[str, Any]):
         self.resolve = resolve or package_resolver()
         self.flags = flags
-        self.virtual = {tuple(name.split("::")): text for name, text in virtual.items()}
+        self.virtual = {
+            tuple(name.split("::")): virtual_text(name, content) for name, content in virtual.items()
+        }
+        self.chosen = {
+            (*name.split("::"), key): tuple(value.split("::"))
+            for name, content in virtual.items()
+            if isinstance(content, Mapping)
+            for key, value in content.items()
+            if _names_module(value)
+        }
         self._modules: dict[Path, Module | None] = {}
 
     def module(self, path: Path) -> Module | None:
@@ -86,6 +95,13 @@ class Library:
             return None
         text, filename = found
         return source(path, filename, text).module(self.flags)
+
+    def real(self, path: Path) -> Path:
+        """Return `path` with a module that a constant names put in the constant's place."""
+        for head, module in self.chosen.items():
+            if path[: len(head)] == head and len(path) > len(head):
+                return module + path[len(head) :]
+        return path
 
     def packages(self) -> list[str]:
         """Return the words an absolute path may begin with."""
@@ -163,8 +179,13 @@ def virtual_text(name: str, content: Any) -> str:
     if isinstance(content, str):
         return content
     if isinstance(content, Mapping):
-        return "\n".join(f"const {key} = {_literal(name, key, value)};" for key, value in content.items())
+        values = {key: value for key, value in content.items() if not _names_module(value)}
+        return "\n".join(f"const {key} = {_literal(name, key, value)};" for key, value in values.items())
     return "\n".join(_structs(content))
+
+
+def _names_module(value: Any) -> bool:
+    return isinstance(value, str) and value.startswith("package::")
 
 
 def _structs(structs: Sequence[Any]) -> list[str]:

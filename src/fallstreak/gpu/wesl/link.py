@@ -7,7 +7,7 @@ from typing import Any
 
 from .emit import Emitter
 from .interface import bindings_of, entry_of
-from .library import Library, Resolver, virtual_text
+from .library import Library, Resolver
 from .linked import Linked
 from .names import assign_names
 from .program import Program
@@ -37,7 +37,8 @@ def link(
     virtual : mapping, optional
         Virtual packages: ``{"constants": {"STEPS": 40}, "structs": [VIEW, …]}``. A mapping becomes constants,
         a list of objects with ``name``, ``wgsl()`` and ``dependencies`` becomes struct declarations, a string
-        is taken as WESL source.
+        is taken as WESL source. A constant may be the path of a module, ``{"KIND": "package::noise::value"}``:
+        then ``import constants::KIND::noise3;`` imports from that module.
 
     Returns
     -------
@@ -48,8 +49,7 @@ def link(
     WeslError
         With file, line and column, for whatever keeps the module from being linked.
     """
-    texts = {name: virtual_text(name, content) for name, content in (virtual or {}).items()}
-    program = Program(Library(resolve, flags or {}, texts), tuple(module.split("::")), entries)
+    program = Program(Library(resolve, flags or {}, virtual or {}), tuple(module.split("::")), entries)
     assign_names(program)
     emitter = Emitter()
     emitter.directives(program.modules.values())

@@ -156,6 +156,7 @@ class Program:
             full = absolute(path, module.path)
             if full is None:
                 raise item.error("'super' leaves the package here", reference.first)
+        full = self.library.real(full)
         home = self.library.module(full[:-1])
         if home is None:
             raise item.error(self._missing(full), reference.first)
