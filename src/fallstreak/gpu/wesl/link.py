@@ -37,8 +37,8 @@ def link(
     virtual : mapping, optional
         Virtual packages: ``{"constants": {"STEPS": 40}, "structs": [VIEW, …]}``. A mapping becomes constants,
         a list of objects with ``name``, ``wgsl()`` and ``dependencies`` becomes struct declarations, a string
-        is taken as WESL source. A constant may be the path of a module, ``{"KIND": "package::noise::value"}``:
-        then ``import constants::KIND::noise3;`` imports from that module.
+        is taken as WESL source. A constant may be the path of a module, ``{"KIND": "package::sky::air"}``:
+        then ``import constants::KIND::density;`` imports from that module.
 
     Returns
     -------
