@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-FOR_WHOEVER_NEEDS_IT = {("package::gpu::mips", "fragment_main")}  # tests/gpu makes mips
+FOR_WHOEVER_NEEDS_IT = {("package::gpu::mips", "main")}  # tests/gpu makes mips
 pytestmark = pytest.mark.xdist_group("shaders")  # the renderers are made once, for both tests
 
 PACKAGE = Path(__file__).parents[1] / "src" / "fallstreak"

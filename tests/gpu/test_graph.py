@@ -77,26 +77,6 @@ def test_reading_back_keeps_rows_apart(device):
         np.testing.assert_array_equal(got[..., 1], y)
 
 
-def test_mips_average(device):
-    rng = np.random.default_rng(0)
-    image = rng.integers(0, 256, (16, 16, 4), np.uint8)
-    graph = FrameGraph(device)
-    graph.texture_data("image", image, "rgba8unorm", mips=True)
-    graph.texture("copy", "rgba8unorm", (4, 4))
-    graph.fullscreen(
-        "copy",
-        "package::gpu::mips",
-        color=["copy"],
-        bind={"above": "image:mip1", "linear": "sampler:linear-clamp"},
-    )
-    graph.output("copy")
-    graph.compile()
-    graph.execute()
-    want = image.reshape(8, 2, 8, 2, 4).mean((1, 3))
-    np.testing.assert_allclose(graph.read("image", mip=1), want, atol=1)
-    np.testing.assert_allclose(graph.read("copy"), want.reshape(4, 2, 4, 2, 4).mean((1, 3)), atol=2)
-
-
 def test_a_sometimes_pass_keeps_its_result_and_demands_persistence(device):
     with pytest.raises(GraphError, match="persistent"):
         counter(device, when=lambda: False)

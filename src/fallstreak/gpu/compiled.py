@@ -105,7 +105,7 @@ class Compiled:
             return made
         made = res.allocate_texture(self.device, decl)
         if decl.data is not None and decl.mips > 1:
-            MipMaker.of(self.device).make(made, decl.format, decl.size, decl.mips)
+            MipMaker.of(self.device).make(made, decl.format, decl.size, decl.mips, decl.dimension)
         return made
 
     def bind_groups(

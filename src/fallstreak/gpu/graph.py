@@ -17,6 +17,7 @@ from .compiled import Compiled
 from .device import Device
 from .errors import GraphError, translated
 from .formats import texel
+from .mips import levels
 from .readback import Pending
 from .resources import BufferDecl, TextureDecl, Uniform
 from .schedule import PassDecl, Ref, Schedule, schedule
@@ -105,7 +106,7 @@ class FrameGraph:
         data : ndarray
             (height, width[, components]) or (depth or layers, height, width[, components]).
         mips : bool
-            Make the whole mip chain on the GPU; the format must be filterable and renderable.
+            Make the whole mip chain on the GPU; the format must be 8-bit unorm, 16- or 32-bit float.
         """
         self._declare(name)
         kind, count = texel(format)
@@ -116,9 +117,9 @@ class FrameGraph:
         dimension = dimension or ("2d" if len(shape) == 2 else "2d-array")
         h, w = shape[-2:]
         d = shape[0] if len(shape) == 3 else 1
-        levels = int(np.floor(np.log2(max(w, h)))) + 1 if mips else 1
-        decl = TextureDecl(name, format, (w, h, d), dimension, levels, (0, 0, 0, 0), "data", data)
-        decl.usage |= res.TEXTURE_BINDING | (res.RENDER_ATTACHMENT if mips else 0)
+        count = levels((w, h, d), dimension) if mips else 1
+        decl = TextureDecl(name, format, (w, h, d), dimension, count, (0, 0, 0, 0), "data", data)
+        decl.usage |= res.TEXTURE_BINDING
         self.textures[name] = decl
         return name
 
