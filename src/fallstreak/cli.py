@@ -74,7 +74,11 @@ _later("doctor", "List graphics adapters, and say which one is used and why.", "
 
 
 @app.command(help_epilogue="Examples:\n    fallstreak bench\n    fallstreak bench sky --json figures.json\n")
-def bench(*names: str, json: Annotated[Path | None, Parameter(name="--json", negative="")] = None) -> int:
+def bench(
+    *names: str,
+    json: Annotated[Path | None, Parameter(name="--json", negative="")] = None,
+    fastnoise2: Annotated[Path | None, Parameter(name="--fastnoise2", negative="")] = None,
+) -> int:
     """Measure speed and accuracy, and print the figures beside their goals.
 
     Parameters
@@ -83,10 +87,16 @@ def bench(*names: str, json: Annotated[Path | None, Parameter(name="--json", neg
         Which benchmarks; all when none is named.
     json
         Also write the figures to this file, as a list of {metric, value, unit, goal, met, how}.
+    fastnoise2
+        FastNoise2's shared library, where you have built it: bench noise measures beside it.
     """
     from .commands.bench import BenchError
     from .commands.bench import bench as run
 
+    if fastnoise2 is not None:
+        if not fastnoise2.is_file():
+            raise UserError(f"--fastnoise2 {fastnoise2}: there is no such file")
+        os.environ["FALLSTREAK_FASTNOISE2"] = str(fastnoise2.absolute())
     try:
         return run(names, json)
     except BenchError as error:

@@ -48,6 +48,18 @@ def test_it_writes_the_list_that_the_issue_describes(benchmarks, tmp_path, capfd
     assert "machine: " in printed and "cores" in printed and "speed: 12 frames/s (goal >= 10: met)" in printed
 
 
+def test_a_figure_that_cannot_be_measured_is_told_with_its_reason(tmp_path, monkeypatch, capfd):
+    (tmp_path / "bench_peer.py").write_text(
+        "def run(report):\n    report.missing('ratio', '', 'a peer is not installed', goal='>= 2')\n"
+    )
+    monkeypatch.setattr(module, "available", lambda: {"peer": tmp_path / "bench_peer.py"})
+    monkeypatch.setattr(module, "adapter", lambda: "none")
+    assert bench(["peer"], tmp_path / "figures.json") == 0
+    (figure,) = json.loads((tmp_path / "figures.json").read_text())
+    assert (figure["value"], figure["goal"], figure["met"]) == (None, ">= 2", None)
+    assert "not measured, a peer is not installed" in capfd.readouterr().out
+
+
 def test_a_broken_benchmark_fails_the_run_but_not_the_others(benchmarks, tmp_path, capfd):
     file = tmp_path / "figures.json"
     assert bench([], file) == 1

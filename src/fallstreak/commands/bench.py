@@ -45,7 +45,7 @@ class Result:
     """One measured figure."""
 
     metric: str
-    value: float
+    value: float | None  # None: could not be measured here
     unit: str
     goal: str | None
     met: bool | None
@@ -81,6 +81,13 @@ class Report:
         self._console.print(
             f"  {metric}: {_figure(value)} {unit}{_verdict(result)}", highlight=False, markup=False
         )
+        return result
+
+    def missing(self, metric: str, unit: str, why: str, *, goal: str | None = None) -> Result:
+        """Record that a figure could not be measured here, and why; whether its goal is met stays unknown."""
+        result = Result(metric, None, unit, goal, None, why)
+        self.results.append(result)
+        self._console.print(f"  {metric}: not measured, {why}", highlight=False, markup=False)
         return result
 
     def note(self, text: str) -> None:
@@ -219,7 +226,9 @@ def _met(value: float, goal: str) -> bool:
     return _COMPARISONS[match.group(1)](value, float(match.group(2)))
 
 
-def _figure(value: float) -> str:
+def _figure(value: float | None) -> str:
+    if value is None:
+        return "–"
     if value.is_integer() and abs(value) < 1e9:
         return str(int(value))
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
@@ -243,6 +252,8 @@ def _print_summary(console: Console, results: list[Result]) -> None:
         table.add_column(column, justify=justify)  # type: ignore[arg-type]
     for result in results:
         verdict = {None: "", True: "met", False: "[red]missed[/red]"}[result.met]
+        if result.value is None:
+            verdict = "not measured"
         table.add_row(result.metric, _figure(result.value), result.unit, result.goal or "", verdict)
     console.print(table)
 
