@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from .world import queries
 
 if TYPE_CHECKING:
+    from . import noise
     from .frame.renderer import Frame, Renderer, render
     from .world import (
         QUALITY,
@@ -38,13 +39,15 @@ _HOME = {
 
 __all__ = [
     "QUALITY", "Frame", "Quality", "Renderer", "UserError", "World", "WorldError", "edit_toml", "load",
-    "loads", "render", "scene_names", "schema",
+    "loads", "noise", "render", "scene_names", "schema",
 ]  # fmt: skip
 
 queries.register("terrain.height", "fallstreak.terrain.model:height_query")
 
 
 def __getattr__(name: str) -> Any:
+    if name == "noise":
+        return import_module(".noise", __name__)
     if name in _HOME:
         value = getattr(import_module(f".{_HOME[name]}", __name__), name)
         globals()[name] = value

@@ -70,6 +70,17 @@ _later(
     "Print the JSON schema of scene files, from which editors complete and check.",
     "-o scene.schema.json   (then begin scenes by #:schema ./scene.schema.json)",
 )
+_later(
+    "noise",
+    "Draw noise: a plane through it, as a PNG, from black at the lowest to white at the highest.",
+    """-o perlin.png
+    -o cells.png --kind cellular_f1 --frequency 12
+    -o clouds.png --octaves 8 --frequency 4 --seed 7
+    -o mountains.png --fractal ridged --octaves 9 --frequency 3 --colors land
+    -o marble.png --warp 1.5 --octaves 6 --frequency 3
+    -o tile.png --period 8 --octaves 5   (copies fit together)
+    -o far.png --at 1e7,0,0.5   (ten million cells from the origin)""",
+)
 _later("doctor", "List graphics adapters, and say which one is used and why.", "")
 
 
