@@ -96,19 +96,22 @@ def _samples(report):
     air = _air(spectrum.BANDS)
     multiple = _multiple(air)
     horizon = np.degrees(np.arcsin(model.cos_horizon(air, ORBIT)))
-    for name, height, steps, low, high in (
-        ("the ground", EYE, 20, -20.0, 90.0),
-        ("400 km", ORBIT, 30, horizon - 20.0, horizon + 1.5),
+    for name, height, steps, low, high, suns in (
+        ("the ground", EYE, 15, -20.0, 90.0, (60.0, 30.0, 10.0, 3.0)),
+        ("the ground in twilight", EYE, 20, -20.0, 90.0, (0.0, -2.0, -4.0)),
+        ("400 km", ORBIT, 30, horizon - 20.0, horizon + 1.5, (60.0, 30.0, 10.0, 0.0)),
     ):
-        mu, sun = np.sin(np.radians(np.linspace(low, high, 60))), np.sin(np.radians([60.0, 30.0, 10.0, 0.0]))
-        sun, azimuth = sun[:, None, None], np.array([[1.0], [-1.0]])
+        mu = np.sin(np.radians(np.linspace(low, high, 60)))
+        sun, azimuth = np.sin(np.radians(suns))[:, None, None], np.array([[1.0], [-1.0]])
         nu = mu * sun + np.sqrt((1 - mu**2) * (1 - sun**2)) * azimuth
         few, many = (
             model.radiance(air, height, mu, sun, nu, steps=n, multiple=multiple)[0] @ spectrum.LUMINANCE
             for n in (steps, 300)
         )
         off = 100 * np.abs(few / np.maximum(many, 1e-12) - 1)[many > 1e-12]
-        how = f"luminance against 300 samples, float64, {off.size} rays, sun from 60° to 0°"
+        how = (
+            f"luminance against 300 samples, float64, {off.size} rays, sun from {suns[0]:g}° to {suns[-1]:g}°"
+        )
         report.add(f"spectrum: {steps} samples from {name}, rms", np.sqrt(np.mean(off**2)), "%", how=how)
         report.add(f"spectrum: {steps} samples from {name}, worst", off.max(), "%", how=how)
 

@@ -166,20 +166,26 @@ def _frame_tables(graph: FrameGraph, quality: Quality, moon_matters: Callable[[]
     width, height, depth = quality.aerial_size
     for name in ("sky.aerial_inscatter", "sky.aerial_transmittance"):
         graph.texture(name, "rgba16float", (width, height, depth), dimension="3d", persistent=True)
-    graph.compute(
-        "sky.aerial",
-        "package::sky::aerial",
-        bind={**bind, "inscatter": "sky.aerial_inscatter", "through": "sky.aerial_transmittance"},
-        groups=(-(-width // 8), -(-height // 8), 1),
-        constants={"STEPS": quality.aerial_steps},
-        structs=structs,
-    )
     graph.buffer("sky.irradiance", 9 * 16, persistent=True)
-    graph.compute(
-        "sky.irradiance",
-        "package::sky::irradiance",
-        bind={**bind, "sky_light": "sky.skylight", "irradiance": "sky.irradiance"},
-        groups=(1, 1, 1),
-        constants={"STEPS": 12},
-        structs=structs,
-    )
+    # shaders of their own for moonlit nights: where the moon does not matter nobody pays for it
+    for suffix, moon, when in (("", False, lambda: not moon_matters()), (".moon", True, moon_matters)):
+        graph.compute(
+            "sky.aerial" + suffix,
+            "package::sky::aerial",
+            bind={**bind, "inscatter": "sky.aerial_inscatter", "through": "sky.aerial_transmittance"},
+            groups=(-(-width // 8), -(-height // 8), 1),
+            flags={"MOON": moon},
+            constants={"STEPS": quality.aerial_steps},
+            structs=structs,
+            when=when,
+        )
+        graph.compute(
+            "sky.irradiance" + suffix,
+            "package::sky::irradiance",
+            bind={**bind, "sky_light": "sky.skylight", "irradiance": "sky.irradiance"},
+            groups=(1, 1, 1),
+            flags={"MOON": moon},
+            constants={"STEPS": 12},
+            structs=structs,
+            when=when,
+        )

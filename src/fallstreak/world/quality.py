@@ -14,7 +14,7 @@ class Quality:
     sky_view_size: tuple[int, int] = (192, 108)
     sky_view_steps: int = 30
     aerial_size: tuple[int, int, int] = (32, 32, 32)
-    aerial_steps: int = 2  # samples per slice
+    aerial_steps: int = 1  # samples per slice
     transmittance_size: tuple[int, int] = (256, 64)
     multiscattering_size: tuple[int, int] = (32, 32)
     # terrain
@@ -55,6 +55,7 @@ QUALITY: dict[str, Quality] = {
         sky_view_size=(384, 216),
         sky_view_steps=40,
         aerial_size=(48, 48, 48),
+        aerial_steps=2,
         terrain_error_px=0.8,
         terrain_bump_finest=-3,
         default_samples=32,
