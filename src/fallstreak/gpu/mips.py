@@ -32,6 +32,16 @@ def level_size(size: Size, level: int, dimension: str = "2d") -> Size:
     return max(1, w >> level), max(1, h >> level), max(1, d >> level) if dimension == "3d" else d
 
 
+def parts(size: Size, most: int) -> Iterator[tuple[int, int, int, int]]:
+    """First row, first slice, rows and slices of parts with at most `most` rows in all."""
+    _, h, d = size
+    rows = max(1, min(most, h))
+    slices = max(1, most // h)
+    for z in range(0, d, slices):
+        for y in range(0, h, rows):
+            yield y, z, min(rows, h - y), min(slices, d - z)
+
+
 class TexelLayout:
     """How a format's rows lie in a buffer that is copied into a texture; the Python half of ``texels.wesl``.
 
@@ -65,13 +75,8 @@ class TexelLayout:
         return -(-width * self._bytes // 256) * 256
 
     def parts(self, size: Size) -> Iterator[tuple[int, int, int, int]]:
-        """First row, first slice, rows and slices of the parts in which to make something of this size."""
-        w, h, d = size
-        rows = max(1, _PART // self.pitch(w))
-        slices = max(1, rows // h)
-        for z in range(0, d, slices):
-            for y in range(0, h, rows):
-                yield y, z, min(rows, h - y), min(slices, d - z)
+        """The parts in which to make something of this size, none too large for a buffer."""
+        return parts(size, _PART // self.pitch(size[0]))
 
     def buffer_bytes(self, size: Size) -> int:
         """Bytes that the largest part needs."""
