@@ -1,0 +1,102 @@
+"""The hash under every kind of noise: integers here, on vectors in `lattice.py`, on the GPU in ``hash.wesl``.
+
+A lattice point has an integer coordinate per axis (its *cell*, two's complement, taken modulo 2^32), and
+the noise has one 32-bit *word* per axis, drawn from the seed and the octave by `axis_words`. All arithmetic
+wraps.
+
+1. **Axis hash**, 16 bits, one per axis and lattice plane: ``t = cell * 0x9E3779B1 + word``,
+   ``h = (t ^ (t >> 16)) | 1`` (logical shift); the low 16 bits of h, read as a *signed* integer.
+2. **Pair**: ``pair(a, b)`` is the low 16 bits of ``a * b``, read as a signed integer.
+3. **Corner**: two signed 16-bit numbers (a, b).
+   2-D: ``a = hx, b = hy``. 3-D: ``a = pair(hx, hy), b = hz``. 4-D: ``a = pair(hx, hy), b = pair(hz, hw)``.
+4. What a kind draws from a corner.
+   An **index** of n entries (n a power of two up to 4096): ``((a * b) >> 16) & (n - 1)``, arithmetic shift
+   of the signed 32-bit product. A **value** in -1..1: ``pair(a, b) / 32768`` (always odd, so never 0). 32
+   **bits**, where several numbers are needed: ``p = (a * b) * 0x2C1B3C6D; p ^= p >> 15; p *= 0x297A2D39; p
+   ^= p >> 15`` (logical shifts).
+
+Why so: in 3-D eight corners are hashed per sample but only six lattice planes. Multiplying hashed numbers
+mixes them as a finaliser would, and 16-bit products are the cheapest multiplications that vector units
+have: one micro-operation gives the product already shifted to where a permute wants its index; a 32-bit
+product is two on Intel, and the shift is a third. Forcing the hashes odd keeps every factor invertible. A
+seed moves the lattice by a random 32-bit offset along every axis.
+
+Measured on 400 000 lattice points: |r| of the gradients between 64 consecutive seeds at most .0043, between
+64 octaves of one seed .0042, at lags 1, 2, 4 ... 4096 along every axis .0035: what independent draws give
+(one hash of two full 32-bit rounds, for comparison: .0268 between seeds in 2-D). Periodograms of lattice
+planes are flat: the strongest line is 15 to 18 times the mean, as for random numbers. The price: about one
+lattice plane in 4000 draws from fewer than 16 gradients, because its axis hash is a very small number (in
+4-D, where two hashes multiply, one plane in 360 showed a line of 39 times the mean).
+"""
+
+from __future__ import annotations
+
+MULTIPLIER = 0x9E3779B1  # 2^32 / golden ratio, odd: neighbouring cells land far apart
+SCRAMBLE = (0x2C1B3C6D, 0x297A2D39)  # low-bias multipliers found by search (C. Wellons, "hash prospector")
+
+_MASK32 = 0xFFFFFFFF
+_MASK64 = 0xFFFFFFFFFFFFFFFF
+_STEP = 0x9E3779B97F4A7C15
+
+
+def octave_seed(seed: int, octave: int) -> int:
+    """Mix a seed and an octave into 64 bits that have nothing to do with those of any other pair.
+
+    ``mix(mix(seed) + octave * 0x9E3779B97F4A7C15)`` with `mix` the finaliser of SplitMix64, modulo 2^64 (so
+    is the seed: any Python integer will do).
+    """
+    return _mix(_mix(seed & _MASK64) + octave * _STEP)
+
+
+def axis_words(seed: int, octave: int) -> tuple[int, int, int, int]:
+    """The 32-bit words of the axes x, y, z, w.
+
+    They are the low and high halves of the first two outputs of SplitMix64 started at `octave_seed`:
+    ``mix(s + G)`` and ``mix(s + 2 G)`` with G = 0x9E3779B97F4A7C15.
+    """
+    state = octave_seed(seed, octave)
+    first, second = _mix(state + _STEP), _mix(state + 2 * _STEP)
+    return first & _MASK32, first >> 32, second & _MASK32, second >> 32
+
+
+def _mix(z: int) -> int:
+    z &= _MASK64
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9 & _MASK64
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EB & _MASK64
+    return z ^ (z >> 31)
+
+
+def signed16(value: int) -> int:
+    """The low 16 bits read as a signed integer."""
+    return ((value & 0xFFFF) ^ 0x8000) - 0x8000
+
+
+def axis_hash(cell: int, word: int) -> int:
+    """Step 1: the signed 16-bit hash of one lattice plane."""
+    t = (cell * MULTIPLIER + word) & _MASK32
+    return signed16((t ^ (t >> 16)) | 1)
+
+
+def corner(cells: tuple[int, ...], words: tuple[int, ...]) -> tuple[int, int]:
+    """Step 3: the two factors (a, b) of a lattice point in 2, 3 or 4 dimensions."""
+    h = [axis_hash(cell, word) for cell, word in zip(cells, words, strict=False)]
+    if len(h) == 2:
+        return h[0], h[1]
+    return signed16(h[0] * h[1]), h[2] if len(h) == 3 else signed16(h[2] * h[3])
+
+
+def index(a: int, b: int, entries: int) -> int:
+    """Step 4: an index below `entries`, a power of two."""
+    return (a * b >> 16) & (entries - 1)
+
+
+def value(a: int, b: int) -> float:
+    """Step 4: a number in -1..1."""
+    return signed16(a * b) / 32768.0
+
+
+def bits(a: int, b: int) -> int:
+    """Step 4: 32 well mixed bits."""
+    p = a * b * SCRAMBLE[0] & _MASK32
+    p = (p ^ (p >> 15)) * SCRAMBLE[1] & _MASK32
+    return p ^ (p >> 15)
