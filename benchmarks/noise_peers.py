@@ -247,7 +247,7 @@ def _perlin_noise(kind: str) -> Runner:
 
 
 def _numpy(kind: str, size: str = "whole") -> Runner:
-    """Hash-gradient Perlin as one would write it in numpy; ``pieces``: so many points as stay in the cache."""
+    """Hash-gradient Perlin as one would write it in numpy; ``pieces``: by what stays in the cache."""
     points, out = plane(), np.empty(SIDE * SIDE, np.float32)
     step = 16384 if size == "pieces" else len(out)
 
@@ -289,6 +289,12 @@ def _numpy_octave(x, y, z, seed):
     return values[0]
 
 
+def _journal(step: str) -> Runner:
+    import noise_journal
+
+    return noise_journal.runner(step, plane(), OCTAVES)
+
+
 def _module(name: str):
     try:
         return importlib.import_module(name)
@@ -306,6 +312,7 @@ _LIBRARIES: dict[str, Callable[..., Runner]] = {
     "vnoise": _vnoise,
     "perlin-noise": _perlin_noise,
     "numpy": _numpy,
+    "journal": _journal,
 }
 
 

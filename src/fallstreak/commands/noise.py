@@ -155,22 +155,35 @@ def colour(values: np.ndarray, low: float, high: float, colors: str, bits: int) 
 
 
 def _on_cpu(width, height, corner, cells, fractal, warp, options):
-    import numpy as np
-
     from fallstreak import noise
 
-    step = cells / width
-    if warp is None:
-        shape = (1,) * (len(corner) - 2) + (height, width)
-        values = noise.grid(shape, step=step, origin=corner, fractal=fractal, **options)
-        return values.reshape(height, width)
-    rest = tuple(np.full((height, width), c) for c in corner[2:])
-    x, y = np.meshgrid(corner[0] + step * np.arange(width), corner[1] + step * np.arange(height))
-    return noise.warp((x, y, *rest), warp, **options)
+    if warp is not None:
+        return noise.warp(_points(width, height, corner, cells), warp, **options)
+    shape = (1,) * (len(corner) - 2) + (height, width)
+    values = noise.grid(shape, step=cells / width, origin=corner, fractal=fractal, **options)
+    return values.reshape(height, width)
 
 
 def _on_gpu(width, height, corner, cells, fractal, warp, options):
-    raise UsageError("--gpu is not there yet")
+    import numpy as np
+
+    from fallstreak.gpu import Device
+    from fallstreak.noise.bake import Layer, sample
+
+    period, spacing = options.pop("period"), options.pop("spacing")
+    layer = Layer(fractal=fractal, frequency=1.0, warp=warp or 0.0, **options)
+    device = Device.open()
+    points = np.stack([axis.ravel() for axis in _points(width, height, corner, cells)], -1)
+    values = sample(device, points, layer, period=period, spacing=spacing)
+    return values.reshape(height, width), f"on {device.adapter.name}"
+
+
+def _points(width, height, corner, cells):
+    import numpy as np
+
+    step = cells / width
+    x, y = np.meshgrid(corner[0] + step * np.arange(width), corner[1] + step * np.arange(height))
+    return (x, y, *(np.full((height, width), c) for c in corner[2:]))
 
 
 def _numbers(option: str, text: str, count: int) -> tuple[float, ...]:
