@@ -27,7 +27,7 @@ def test_help_teaches(capsys):
         assert word in out
 
 
-@pytest.mark.parametrize("command", ["render", "scenes", "check", "schema", "doctor", "bench"])
+@pytest.mark.parametrize("command", ["render", "scenes", "check", "schema", "noise", "doctor", "bench"])
 def test_every_command_explains_itself(capsys, command):
     status, out, err = run(capsys, command, "--help")
     assert status == 0 and not err

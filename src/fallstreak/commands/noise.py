@@ -121,7 +121,8 @@ def noise(
         else:
             values, where = _on_cpu(width, height, corner, cells, fractal, warp, options), "on the CPU"
     except ValueError as error:  # such as: kind='perln' is not allowed: …
-        raise UsageError(f"--{error}") from None
+        message = str(error).replace("amount=", "warp=", 1)
+        raise UsageError(f"--{message}") from None
     low, high = limits or (float(values.min()), float(values.max()))
     from fallstreak.output.png import write_png
 

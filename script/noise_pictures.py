@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+"""Draw the pictures of docs/noise.md anew: python script/noise_pictures.py [docs/noise]"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fallstreak import noise
+from fallstreak.noise.kinds import FRACTALS, KINDS
+from fallstreak.output.png import write_png
+
+SIDE = 224
+GAP = 8
+
+
+def main(folder: str = "docs/noise") -> None:
+    pictures = {
+        **{f"kind_{name}": kind(name) for name in KINDS},
+        **{f"fractal_{name}": fractal(name) for name in FRACTALS},
+        "warp": warp(),
+        "curl": curl(),
+        "journal": journal(),
+        "far": far(),
+        "smooth": smooth(),
+        "tile": tile(),
+        "cube": cube(),
+    }
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for name, picture in pictures.items():
+        write_png(Path(folder) / f"{name}.png", picture)
+        print(f"{name}.png {picture.shape[1]}×{picture.shape[0]}")
+
+
+def kind(name: str) -> np.ndarray:
+    """One octave, six cells across, by the range that the kind has."""
+    about = KINDS[name]
+    return grey(plane(6, kind=name), about.low, about.high)
+
+
+def fractal(name: str) -> np.ndarray:
+    return grey(plane(3, octaves=8, fractal=name, seed=11))
+
+
+def warp() -> np.ndarray:
+    return grey(noise.warp(points(3), 1.2, 7, seed=4))
+
+
+def curl() -> np.ndarray:
+    """White noise smeared along the flow (Cabral and Leedom 1993): what its streamlines look like."""
+    size, reach = 2 * SIDE, 24
+    dust = np.random.default_rng(1).random((size, size))
+    ticks = (np.arange(size) + 0.5) * 6 / size
+    total = np.zeros((size, size))
+    for way in (1.0, -1.0):
+        x, y = np.meshgrid(ticks, ticks)
+        for _ in range(reach):
+            column, row = (np.clip((p * size / 6).astype(int), 0, size - 1) for p in (x, y))
+            total += dust[row, column]
+            velocity = noise.curl(np.stack([x, y], -1), octaves=2, seed=3).astype(float)
+            velocity /= np.maximum(np.linalg.norm(velocity, axis=-1, keepdims=True), 1e-6)
+            x, y = x + way * velocity[..., 0] * 6 / size, y + way * velocity[..., 1] * 6 / size
+    smeared = total.reshape(SIDE, 2, SIDE, 2).mean((1, 3))
+    return grey(smeared, *np.percentile(smeared, (1, 99)))
+
+
+def journal() -> np.ndarray:
+    """Table, Improved, Perlin, simplex, lit from the left as ground: one octave above, seven below."""
+    rows = []
+    for octaves, cells in ((1, 10), (7, 3)):
+        row = []
+        for name in ("table", "improved", "perlin", "simplex"):
+            height = plane(cells, kind=name, octaves=octaves, seed=2)
+            row.append(lit(height / height.std(), cells))
+        rows.append(beside(row))
+    return beside(rows, across=False)
+
+
+def far() -> np.ndarray:
+    """64 m of noise with cells of 8 m, 10 000 km from the origin: float64 above, float32 below."""
+    x, y = np.meshgrid(1e7 + np.arange(912) * (64 / 912), np.arange(96) * (64 / 912))
+    strips = [
+        noise.fbm((x.astype(t), y.astype(t), np.full_like(x, 0.3, t)), 4, frequency=1 / 8)
+        for t in (np.float64, np.float32)
+    ]
+    low, high = strips[0].min(), strips[0].max()
+    return beside([grey(strip, low, high) for strip in strips], across=False)
+
+
+def smooth() -> np.ndarray:
+    """A plane that recedes to the horizon, a row at a time: all octaves, and those that the row can show."""
+    width, height = 452, SIDE
+    parts = []
+    for clamped in (False, True):
+        picture = np.empty((height, width), np.float32)
+        for row in range(height):
+            distance = 60.0 / (row + 2.0)
+            x = (np.arange(width) - width / 2) * distance / 220.0
+            flat = np.full(width, distance * 2.0)
+            # a row is foreshortened: neighbouring rows lie farther apart than neighbouring columns
+            spacing = max(distance / 220.0, 2.0 * 60.0 / (row + 2.0) ** 2) if clamped else None
+            picture[row] = noise.fbm((x, flat, np.full(width, 0.5)), 9, spacing=spacing, seed=5)
+        parts.append(grey(picture, -0.6, 0.6))
+    return beside(parts)
+
+
+def tile() -> np.ndarray:
+    """Four copies of one tile."""
+    one = grey(noise.grid((112, 112), period=4, octaves=6, kind="cellular_f2f1", seed=9))
+    return np.tile(one, (2, 2))
+
+
+def cube() -> np.ndarray:
+    """The six faces, unfolded, and the ball they make."""
+    size = 112
+    faces = noise.cube(size, octaves=9, radius=1.6, fractal="hybrid", seed=8)
+    low, high = faces.min(), faces.max()
+    cross = np.full((3 * size, 4 * size), np.nan, np.float32)
+    for face, (row, column) in enumerate(((1, 2), (1, 0), (0, 1), (2, 1), (1, 1), (1, 3))):
+        cross[row * size : (row + 1) * size, column * size : (column + 1) * size] = faces[face]
+    picture = grey(np.nan_to_num(cross, nan=high), low, high)
+    v, u = np.mgrid[-1 : 1 : 3j * size, -1 : 1 : 3j * size] * 1.05
+    inside = u * u + v * v < 1
+    w = np.sqrt(np.maximum(1 - u * u - v * v, 0))
+    surface = noise.hybrid((1.6 * u, -1.6 * v, 1.6 * w), 9, seed=8)
+    light = np.clip(0.55 * w - 0.55 * u - 0.5 * v, 0.06, 1)
+    ball = np.where(inside, grey(surface, low, high) / 255 * light, 1)
+    return beside([picture, np.rint(255 * ball).astype(np.uint8)])
+
+
+def points(cells: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    ticks = np.arange(SIDE) * cells / SIDE
+    x, y = np.meshgrid(ticks, ticks)
+    return x, y, np.full_like(x, 0.5)
+
+
+def plane(cells: float, **options) -> np.ndarray:
+    return noise.grid((1, SIDE, SIDE), step=cells / SIDE, origin=(0, 0, 0.5), **options)[0]
+
+
+def lit(height: np.ndarray, cells: float) -> np.ndarray:
+    slope_y, slope_x = np.gradient(height, cells / len(height))
+    shade = (1.0 - 1.2 * slope_x - 0.5 * slope_y) / np.sqrt(1 + slope_x**2 + slope_y**2)
+    return grey(shade, -1.2, 1.7)
+
+
+def grey(values: np.ndarray, low: float | None = None, high: float | None = None) -> np.ndarray:
+    low = values.min() if low is None else low
+    high = values.max() if high is None else high
+    return np.rint(255 * np.clip((values - low) / (high - low), 0, 1)).astype(np.uint8)
+
+
+def beside(pictures: list[np.ndarray], *, across: bool = True) -> np.ndarray:
+    """With white between them."""
+    gap = [(0, 0), (GAP, 0)] if across else [(GAP, 0), (0, 0)]
+    padded = [np.pad(p, gap if i else 0, constant_values=255) for i, p in enumerate(pictures)]
+    return np.concatenate(padded, axis=1 if across else 0)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
