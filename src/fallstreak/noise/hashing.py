@@ -35,35 +35,29 @@ MULTIPLIER = 0x9E3779B1  # 2^32 / golden ratio, odd: neighbouring cells land far
 SCRAMBLE = (0x2C1B3C6D, 0x297A2D39)  # low-bias multipliers found by search (C. Wellons, "hash prospector")
 
 _MASK32 = 0xFFFFFFFF
-_MASK64 = 0xFFFFFFFFFFFFFFFF
-_STEP = 0x9E3779B97F4A7C15
+_STEP = 0x9E3779B9
 
 
 def octave_seed(seed: int, octave: int) -> int:
-    """Mix a seed and an octave into 64 bits that have nothing to do with those of any other pair.
+    """Mix a seed and an octave into 32 bits that have nothing to do with those of any other pair.
 
-    ``mix(mix(seed) + octave * 0x9E3779B97F4A7C15)`` with `mix` the finaliser of SplitMix64, modulo 2^64 (so
-    is the seed: any Python integer will do).
+    ``mix(mix(seed + G) + octave * G)`` with `mix` the finaliser of MurmurHash3 (A. Appleby), G = 0x9E3779B9,
+    all modulo 2^32 (so is the seed). 32 bits, since shaders have no others and draw words at every sample.
     """
-    return _mix(_mix(seed & _MASK64) + octave * _STEP)
+    return _mix(_mix(seed + _STEP) + octave * _STEP)
 
 
 def axis_words(seed: int, octave: int) -> tuple[int, int, int, int]:
-    """The 32-bit words of the axes x, y, z, w.
-
-    They are the low and high halves of the first two outputs of SplitMix64 started at `octave_seed`:
-    ``mix(s + G)`` and ``mix(s + 2 G)`` with G = 0x9E3779B97F4A7C15.
-    """
+    """The 32-bit words of the axes x, y, z, w: ``mix(octave_seed + k * G)`` for k = 1, 2, 3, 4."""
     state = octave_seed(seed, octave)
-    first, second = _mix(state + _STEP), _mix(state + 2 * _STEP)
-    return first & _MASK32, first >> 32, second & _MASK32, second >> 32
+    return _mix(state + _STEP), _mix(state + 2 * _STEP), _mix(state + 3 * _STEP), _mix(state + 4 * _STEP)
 
 
-def _mix(z: int) -> int:
-    z &= _MASK64
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9 & _MASK64
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EB & _MASK64
-    return z ^ (z >> 31)
+def _mix(h: int) -> int:
+    h &= _MASK32
+    h = (h ^ (h >> 16)) * 0x85EBCA6B & _MASK32
+    h = (h ^ (h >> 13)) * 0xC2B2AE35 & _MASK32
+    return h ^ (h >> 16)
 
 
 def signed16(value: int) -> int:
