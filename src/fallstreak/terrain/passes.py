@@ -22,6 +22,7 @@ TERRAIN_FRAME = Struct(
         ("tile", "vec2i", "m, whole multiple of 4096 near the camera: the origin of noise"),
         ("camera_height", "f32", "m above sea level"),
         ("camera_above", "f32", "m above the ground below"),
+        ("sun", "vec3f", "unit, towards the sun, world axes"),
         ("pole", "vec3f", "the planet's north pole in world axes"),
         ("extent", "f32", "m, half the width of the map"),
         ("leaf", "f32", "m, width of the smallest node"),
@@ -41,6 +42,7 @@ TERRAIN_FRAME = Struct(
 
 MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
+SHORE = 512
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _TILE = 4096
@@ -66,6 +68,7 @@ class Terrain:
         # Twice to four times the error is what one edge of the mesh may measure on the screen.
         self._edge_px = 4.0 * float(quality.terrain_error_px)
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
+        self._light = graph.uniforms.get("sky.light")  # without a sky the sun stands overhead
         self._sees_globe = True
         self._is_island = world.terrain.source == "file" and world.terrain.surroundings == "sea"
         self._fixed = self._fixed_values(world)
@@ -92,6 +95,16 @@ class Terrain:
         graph.buffer("terrain.draws", 20, usage=("indirect",))
         graph.buffer("terrain.workgroups", 12, usage=("indirect",))
         graph.buffer("terrain.heights", 4 * MAX_NODES * (self._grid + 1) ** 2)
+        graph.texture("terrain.shore", "rgba8unorm", (SHORE, SHORE), persistent=True)
+        graph.compute(
+            "terrain.shore",
+            "package::terrain::shore",
+            bind={"view": "view", "terrain": "terrain.frame", "output": "terrain.shore"},
+            groups=(SHORE // 8, SHORE // 8, 1),
+            structs=[TERRAIN_FRAME],
+            constants={"SURFACE_KIND": surface, "PLANET_OCTAVES": quality.terrain_planet_octaves},
+            when=lambda: False,  # in the first frame alone
+        )
         graph.compute(
             "terrain.selection",
             "package::terrain::selection",
@@ -132,6 +145,7 @@ class Terrain:
                 "linear": "sampler:linear-clamp",
                 "nodes": "terrain.nodes",
                 "workgroups": "terrain.workgroups",
+                "shore": "terrain.shore",
             },
             indirect="terrain.draws",
             index="terrain.index",
@@ -142,12 +156,14 @@ class Terrain:
                 "SEA": self._is_island,
                 "CROWNS": True,
                 "PARCELS": True,
+                "STONES": True,
                 "LEAVES": quality.terrain_bump_finest < 0,
             },
             constants={
                 "GRID": self._grid,
                 "FIRST_OCTAVE": first_octave(pyramid.spacing),
                 "NORMAL_FINEST": quality.terrain_bump_finest,
+                "STONE_FINEST": 0 if quality.terrain_bump_finest >= 0 else -2,
                 "GROUND_FINEST": quality.terrain_bump_finest - 3,
                 "SURFACE_KIND": surface,
                 "PLANET_OCTAVES": quality.terrain_planet_octaves,
@@ -176,9 +192,11 @@ class Terrain:
         )
 
     def update(self, state: FrameState) -> None:
-        """Set the uniforms of a frame."""
+        """Set the uniforms of a frame, after the sky has set its own."""
         moving = self._moving_values(state)
         self._sees_globe = self.model.pyramid is None or self._sees_beyond(moving, state.planet_radius)
+        if self._light is not None:
+            self._frame.set(sun=self._light.record["sun_direction"])
         self._frame.set(**moving)
 
     def _sees_beyond(self, moving: dict[str, Any], radius: float) -> bool:
@@ -197,6 +215,7 @@ class Terrain:
         latitude, pyramid = world.place.latitude_radians, self.model.pyramid
         values: dict[str, Any] = {
             "seed": (world.seed + SEED) & 0xFFFFFFFF,
+            "sun": (0.0, 0.0, 1.0),
             "pole": (0.0, cos(latitude), sin(latitude)),
             "globe_height": 0.0,
             "map_cosine": 2.0,
