@@ -284,6 +284,47 @@ def sample(
     -------
     (count,) float32 array
     """
+    return _at_points(device, points, layer, period, spacing)[0]
+
+
+def gradient(device: Device, points: np.ndarray, layer: Layer) -> tuple[np.ndarray, np.ndarray]:
+    """fBm of "perlin" or "simplex" noise at points and its analytic derivatives, computed on the GPU.
+
+    Returns
+    -------
+    value : (count,) float32 array
+    derivatives : (count, D) float32 array
+        Per unit of the points.
+    """
+    dimensions = np.shape(points)[-1]
+    kind_of(layer.kind, dimensions, gradient=True)
+    found = _at_points(device, points, layer, None, None, "slopes", dimensions + 1)
+    return found[0], found[1:].T * np.float32(layer.frequency)
+
+
+def curl(
+    device: Device, points: np.ndarray, layer: Layer, *, period: int | tuple[int, ...] | None = None
+) -> np.ndarray:
+    """Curl noise at points in 2-D or 3-D, computed on the GPU; the layer's kind is "perlin".
+
+    Returns
+    -------
+    (count, D) float32 array
+        Per unit of the points.
+    """
+    dimensions = np.shape(points)[-1]
+    return _at_points(device, points, layer, period, None, "flow", dimensions).T * np.float32(layer.frequency)
+
+
+def _at_points(
+    device: Device,
+    points: np.ndarray,
+    layer: Layer,
+    period: int | tuple[int, ...] | None,
+    spacing: float | None,
+    what: str = "points",
+    components: int = 1,
+) -> np.ndarray:
     from .baker import Baker
 
     points = np.asarray(points, np.float64)
@@ -292,16 +333,30 @@ def sample(
     periods = period_of(period, layer.kind, dimensions, layer.octaves, float(layer.lacunarity))
     frequency = real("frequency", layer.frequency, 1e-6, 65536)
     detail = None if spacing is None else -math.log2(frequency * spacing)
-    return Baker.of(device).sample(points * frequency, layer, periods, detail)
+    baker = Baker.of(device)
+    return baker.sample(points * frequency, layer, periods, detail, what=what, components=components)
 
 
 def throughput(
-    device: Device, kind: str = "perlin", *, dimensions: int = 3, octaves: int = 12, count: int = 1 << 20,
+    device: Device,
+    kind: str = "perlin",
+    *,
+    dimensions: int = 3,
+    octaves: int = 12,
+    count: int = 1 << 20,
     rounds: int = 5,
-) -> list[float]:  # fmt: skip
+    what: str = "points",
+) -> list[float]:
     """Seconds that fBm at `count` points takes on the GPU, once per round, without what precedes and follows.
 
     ``count * octaves / min(throughput(device, …))`` are the evaluations in a second.
+
+    Parameters
+    ----------
+    kind, dimensions, octaves
+        Of what is timed.
+    what : str
+        "points" for values, "slopes" for values with derivatives, "flow" for curl noise.
     """
     from .baker import Baker
 
@@ -310,7 +365,8 @@ def throughput(
     u, v = np.meshgrid(np.linspace(0.0, 8.0, 1 << 10), np.linspace(0.0, 8.0, -(-count // (1 << 10))))
     plane = [u, v, 0.3 * u + 0.2 * v + 1.7, 0.1 * u - 0.4 * v + 5.3][:dimensions]
     points = np.stack([axis.ravel()[:count] for axis in plane], -1)
-    return Baker.of(device).time(points, layer, rounds)
+    components = {"points": 1, "slopes": dimensions + 1, "flow": dimensions}[what]
+    return Baker.of(device).time(points, layer, rounds, what, components)
 
 
 def cloud_shapes(size: int = 128, seed: int = 0, frequency: int = 4) -> BakeSpec:

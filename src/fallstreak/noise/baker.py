@@ -100,18 +100,30 @@ class Baker:
     # ---- points ----------------------------------------------------------------------------------------
 
     def sample(
-        self, cells: np.ndarray, layer: Layer, period: tuple[int, ...] | None, detail: float | None
+        self,
+        cells: np.ndarray,
+        layer: Layer,
+        period: tuple[int, ...] | None = None,
+        detail: float | None = None,
+        *,
+        what: str = "points",
+        components: int = 1,
     ) -> np.ndarray:
-        """The values of a layer at points that are given in cells of its first octave."""
-        with translated("sampling noise"):
-            run, values, count = self._prepare(cells, layer, period, detail)
-            self._run(run)
-            return self._readback.now(self._readback.buffer(values, 4 * count, np.float32)).result()
+        """Values at points that are given in cells of the first octave, (components, count).
 
-    def time(self, points: np.ndarray, layer: Layer, rounds: int) -> list[float]:
+        `what` is "points", "slopes" or "flow".
+        """
+        with translated("sampling noise"):
+            run, values = self._prepare(cells, layer, period, detail, what, components)
+            self._run(run)
+            size = 4 * components * len(cells)
+            found = self._readback.now(self._readback.buffer(values, size, np.float32)).result()
+        return found.reshape(components, -1)
+
+    def time(self, points: np.ndarray, layer: Layer, rounds: int, what: str, components: int) -> list[float]:
         """Seconds for `sample`, without the transfer of points and values."""
         with translated("sampling noise"):
-            run, values, _ = self._prepare(points, layer, None, None)
+            run, values = self._prepare(points, layer, None, None, what, components)
             self._run(run, wait=values)
             seconds = []
             for _ in range(rounds):
@@ -120,38 +132,36 @@ class Baker:
                 seconds.append(time.perf_counter() - begin)
         return seconds
 
-    def _prepare(self, cells: np.ndarray, layer: Layer, period: Any, detail: float | None) -> Any:
+    def _prepare(
+        self, cells: np.ndarray, layer: Layer, period: Any, detail: float | None, what: str, components: int
+    ) -> Any:
         count, dimensions = cells.shape
         coordinates = self.coordinates([cells[:, d] for d in range(dimensions)])
-        values = self.buffer(4 * count)
-        entry = f"{'tiled_' if period else ''}points{dimensions}"
-        pipeline = self.pipeline(entry, layer)
+        values = self.buffer(4 * count * components)
+        module = "package::noise::bake" if what == "points" else "package::noise::derivatives"
+        pipeline = self.pipeline(f"{'tiled_' if period else ''}{what}{dimensions}", layer, module)
         groups = (min(1024, -(-count // 64)), -(-count // 65536), 1)
         uniform = self.uniform(
             LAYER,
             **described(layer),
             part=(0, 0, 1, 1),
-            axes=[count * d for d in range(4)],
+            axes=[count * min(d, dimensions - 1) for d in range(4)],
             period=_four(period),
             width=count,
             slot=0,
             radius=0.0,
             detail=_ALL if detail is None else detail,
         )
-        group = bind(
-            self._native,
-            pipeline.get_bind_group_layout(0),
-            [{"buffer": b} for b in (values, uniform, *coordinates)],
-        )
+        group = self.group(pipeline, [values, uniform, *coordinates])
 
         def run(encoder: Any) -> None:
             self.dispatch(encoder, pipeline, group, groups)
 
-        return run, values, count
+        return run, values
 
     # ---- pieces ----------------------------------------------------------------------------------------
 
-    def pipeline(self, entry: str, layer: Layer) -> Any:
+    def pipeline(self, entry: str, layer: Layer, module: str = "package::noise::bake") -> Any:
         """The pipeline of a layer."""
         constants = {
             "NOISE": f"package::noise::{layer.kind}",
@@ -160,7 +170,7 @@ class Baker:
             "CLAMPED": layer.range is not None,
             "WARPED": layer.warp != 0.0,
         }
-        return self._pipeline("package::noise::bake", entry, constants, LAYER)
+        return self._pipeline(module, entry, constants, LAYER)
 
     def packing(self, layout: TexelLayout) -> Any:
         """The pipeline that makes texels of values."""
