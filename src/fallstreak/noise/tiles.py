@@ -1,0 +1,115 @@
+"""From checked arguments to the compiled loops of `loops.py`: octaves as arrays of numbers, and threads.
+
+Threads are Python's: the loops release the interpreter lock, and workers take chunks from a common counter,
+so that a core that others use does less. Each point is computed alone: the result does not depend on the
+number of threads.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from . import hashing, lanes, loops
+from .static import Static
+
+CHUNK = 4096  # points: about a tenth of a millisecond for ten octaves
+FEW = 32768  # points times octaves, below which other threads cost more than they bring
+
+
+def fbm(axes, out, *, kind, fractal="fbm", threads=1, **series):
+    """Fill `out` with a fractal sum of octaves at the points.
+
+    Parameters
+    ----------
+    axes : sequence of D flat arrays, all float32 or all float64, of any stride
+    out : flat float32 array
+    kind, fractal : str
+    threads : int
+    **series
+        `octaves`, `lacunarity`, `gain`, `seed`, `frequency`, `period` (None or D integers) and `fades`
+        (None or an array: how much of each octave shows).
+    """
+    launch(axes, [out], octaves_of(**series), kind=kind, fractal=fractal, threads=threads)
+
+
+def gradient(axes, value, derivatives, *, kind, threads=1, **series):
+    """As `fbm`, with the derivatives by the points' coordinates in the columns of `derivatives`."""
+    outputs = [value, *derivatives.T]
+    launch(axes, outputs, octaves_of(**series), kind=kind, derivatives=True, threads=threads)
+
+
+def octaves_of(
+    octaves, lacunarity=2.0, gain=0.5, seed=0, frequency=1.0, period=None, fades=None, *, offset=0
+):
+    """Frequency, share, words and periods of each octave; those of no share at the fine end are left out."""
+    index = np.arange(octaves)
+    frequencies = frequency * float(lacunarity) ** index
+    amplitudes = float(gain) ** index
+    amplitudes /= amplitudes.sum()
+    if fades is not None:
+        amplitudes *= fades
+    kept = int(np.flatnonzero(amplitudes).max(initial=-1)) + 1
+    words = np.array([hashing.axis_words(seed, i + offset) for i in range(kept)], np.int64).reshape(kept, 4)
+    periods = np.zeros((kept, 4))
+    if period is not None:
+        periods[:, : len(period)] = np.multiply.outer(float(lacunarity) ** index[:kept], period)
+    return frequencies[:kept], amplitudes[:kept], words, periods
+
+
+def launch(
+    axes: Sequence[np.ndarray],
+    outputs: Sequence[np.ndarray],
+    octaves: tuple[np.ndarray, ...],
+    *,
+    kind: str,
+    fractal: str = "fbm",
+    derivatives: bool = False,
+    threads: int = 1,
+):
+    """Fill `outputs` (flat float32 arrays) with the noise at `axes` (flat arrays, all float32 or all
+    float64)."""
+    static = Static(
+        kind=kind,
+        dimensions=len(axes),
+        width=_width(),
+        derivatives=derivatives,
+        fractal=fractal,
+        periodic=bool(octaves[3].any()),
+        double=axes[0].dtype == np.float64,
+    )
+    arguments = (static, _places(axes), _places(outputs), *octaves)
+    count = len(outputs[0])
+    if threads == 1 or count * max(len(octaves[0]), 1) <= FEW or count <= CHUNK:
+        loops.run(*arguments, 0, count)
+        return
+    chunk = max(CHUNK, -(-count // (threads * 16)) & -loops.TILE)
+    starts = iter(range(0, count, chunk))  # one step of it is atomic: it may be shared
+
+    def work():
+        for start in starts:
+            loops.run(*arguments, start, min(start + chunk, count))
+
+    helpers = [_pool().submit(work) for _ in range(min(threads, -(-count // chunk)) - 1)]
+    work()
+    for helper in helpers:
+        helper.result()
+
+
+def _places(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """Address and stride of each array. Whoever calls keeps the arrays alive."""
+    return np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in arrays], np.int64)
+
+
+@functools.cache
+def _width() -> int:
+    return lanes.host_width()
+
+
+@functools.cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(1, (os.cpu_count() or 1) - 1), "fallstreak-noise")
