@@ -372,23 +372,24 @@ def throughput(
 def cloud_shapes(size: int = 128, seed: int = 0, frequency: int = 4) -> BakeSpec:
     """The shape volume of clouds: repeating, rgba8unorm.
 
-    Red is Perlin-Worley noise, billows that hang together: fBm of Perlin noise whose gaps are filled by
-    inverted cellular noise. Green, blue and alpha are inverted cellular fBm, 2, 4 and 8 times as fine.
+    Red is Perlin-Worley noise, heaps that hang together: fBm of Perlin noise whose gaps are filled by
+    inverted cellular noise. Green, blue and alpha are inverted cellular fBm, 2, 4 and 8 times as fine. There
+    are as many octaves as have four texels to a cell.
     """
 
-    def worley(times: int, number: int, **changes: Any) -> Layer:
+    def octaves(times: int, most: int) -> int:
+        return min(max(int(math.log2(size / (times * frequency))) - 1, 1), most)
+
+    def heaps(times: int, number: int, blend: str = "set") -> Layer:
         return Layer(
             "cellular_f1",
-            octaves=3,
+            octaves=octaves(times, 3),
             frequency=times * frequency,
             seed=seed + number,
-            range=(1.0, 0.05),
-            **changes,
+            range=(1.0, 0.0),
+            blend=blend,
         )
 
-    perlin = Layer("perlin", octaves=5, frequency=frequency, gain=0.6, seed=seed, range=(-0.45, 0.75))
-    return BakeSpec(
-        (size, size, size),
-        [(perlin, worley(1, 1, blend="screen")), worley(2, 2), worley(4, 3), worley(8, 4)],
-        tiling=True,
-    )
+    perlin = Layer("perlin", octaves=octaves(1, 7), frequency=frequency, seed=seed, range=(-0.1, 0.9))
+    channels = [(perlin, heaps(1, 1, "screen")), heaps(2, 2), heaps(4, 3), heaps(8, 4)]
+    return BakeSpec((size, size, size), channels, tiling=True)
