@@ -163,7 +163,7 @@ class Terrain:
                 "GRID": self._grid,
                 "FIRST_OCTAVE": first_octave(pyramid.spacing),
                 "NORMAL_FINEST": quality.terrain_bump_finest,
-                "STONE_FINEST": 0 if quality.terrain_bump_finest >= 0 else -2,
+                "STONE_FINEST": 1 if quality.terrain_bump_finest >= 0 else -2,
                 "GROUND_FINEST": quality.terrain_bump_finest - 3,
                 "SURFACE_KIND": surface,
                 "PLANET_OCTAVES": quality.terrain_planet_octaves,
