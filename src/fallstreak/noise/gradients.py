@@ -15,12 +15,13 @@ end.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from llvmlite import ir
 from numba.core.registry import cpu_target
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
-from .lanes import FLOAT, I32, INT, Lanes, as_float, call, constant, features, select
+from .lanes import FLOAT, I32, INT, Lanes, as_float, call, constant, features, intrinsic, select
 from .static import StaticType, Table
 
 LONG, SHORT = math.sqrt(2.0), 2.0 - math.sqrt(2.0)
@@ -131,7 +132,7 @@ def _shuffled(builder, index, values, lanes):
     return builder.bitcast(shuffled, ir.VectorType(I32, index.width))
 
 
-def gradient2(index):
+def gradient2(index) -> Any:
     """(x, y) of the gradient that the low 3 bits of the index name."""
 
 
@@ -168,7 +169,7 @@ def _float_bits(name: str, value: float):
 _long, _short = _float_bits("_long", LONG), _float_bits("_short", SHORT)
 
 
-def gradient3(index):
+def gradient3(index) -> Any:
     """(x, y, z) of the gradient that the low 4 bits of the index name, to be set right by `unscale`."""
 
 
@@ -179,7 +180,7 @@ def _gradient3(index):
     return lambda index: (double_unit(X3, index), double_unit(Y3, index), double_unit(Z3, index))
 
 
-def gradient4(index):
+def gradient4(index) -> Any:
     """(x, y, z, w) of the edge that the low 5 bits of the index name, to be set right by `unscale` and
     FOUR_SCALE."""
 
@@ -196,7 +197,7 @@ def _gradient4(index):
     )
 
 
-def unscale(value):
+def unscale(value) -> Any:
     """What was summed from `gradient3` or `gradient4`, in its true size."""
 
 

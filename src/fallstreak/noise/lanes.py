@@ -11,15 +11,21 @@ Python numbers mix with lanes and become constants. All functions here exist onl
 from __future__ import annotations
 
 import operator
+from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
 from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, register_model
+from numba.core.typing.templates import AbstractTemplate, signature
+from numba.extending import intrinsic as _intrinsic
+from numba.extending import register_model
 
 from .static import StaticType
+
+intrinsic: Any = (
+    _intrinsic  # a type checker takes the first argument of its functions, the typing context, for theirs
+)
 
 FLOAT, DOUBLE, INT, TRUTH = "float", "double", "int", "truth"
 _ELEMENT = {FLOAT: ir.FloatType(), DOUBLE: ir.DoubleType(), INT: ir.IntType(32), TRUTH: ir.IntType(1)}
@@ -108,7 +114,7 @@ def _lanes_of(args) -> Lanes | None:
 def _define(op, floats: str | None, ints: str | None, truth: bool = False):
     """Type and lower a binary operator by the names of LLVM's instructions for floats and integers."""
 
-    @infer_global(op)
+    @operation(op)
     class Template(AbstractTemplate):
         def generic(self, args, kws):
             typ = _lanes_of(args) if len(args) == 2 else None
@@ -120,7 +126,7 @@ def _define(op, floats: str | None, ints: str | None, truth: bool = False):
         typ = _lanes_of(sig.args)
         assert typ is not None
         a, b = (_to_lanes(builder, v, t, typ) for v, t in zip(args, sig.args, strict=True))
-        name = ints if typ.element in (INT, TRUTH) else floats
+        name: Any = ints if typ.element in (INT, TRUTH) else floats
         if not truth:
             return getattr(builder, name)(a, b)
         compare = builder.icmp_signed if typ.element == INT else builder.fcmp_ordered
@@ -144,7 +150,7 @@ for _op, _name in ((operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), 
 _define(operator.eq, "==", "==", truth=True)
 
 
-@infer_global(operator.neg)
+@operation(operator.neg)
 class _Negative(AbstractTemplate):
     def generic(self, args, kws):
         return signature(args[0], args[0]) if isinstance(args[0], Lanes) else None

@@ -6,6 +6,8 @@ cleared, because `multiply16`, `multiply16_high` and the permutes do not look at
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba.core import types
 from numba.extending import overload, register_jitable
 
@@ -29,7 +31,7 @@ def fold(t):
     return (t ^ shift_right(t, 16)) | 1
 
 
-def axis_pair(cell, word, period):
+def axis_pair(cell, word, period) -> Any:
     """The hashes of a cell's own lattice plane and of the next; `period` is lanes of cells, or None."""
 
 
@@ -50,7 +52,7 @@ def _axis_pair(cell, word, period):
     return wrapped
 
 
-def neighbour(cell, step, period):
+def neighbour(cell, step, period) -> Any:
     """The cell so many further (at most a period), wrapped into 0..period - 1 unless that is None."""
 
 

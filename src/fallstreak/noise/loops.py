@@ -10,6 +10,8 @@ Arrays come in as addresses and strides, so that one compiled function serves al
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numba.extending import overload
@@ -42,7 +44,10 @@ DOUBLES = 8 * TILE
 _POINTS, _CELLS, _TOTALS = 4 * DOUBLES, 4 * FLOATS, 5 * FLOATS
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
+
+
+@compiled
 def run(static, inputs, outputs, frequencies, amplitudes, words, periods, start, stop):
     """Noise of the points from `start` to `stop`.
 
@@ -97,7 +102,7 @@ def run(static, inputs, outputs, frequencies, amplitudes, words, periods, start,
             )
 
 
-def fill(static, target, address, stride, first, count):
+def fill(static, target, address, stride, first, count) -> Any:
     """Copy one axis of the tile's coordinates to the stack; beyond the last point it is 0."""
 
 
@@ -117,7 +122,7 @@ def _fill(static, target, address, stride, first, count):
     return copy
 
 
-def reach_of(static, points, dimensions):
+def reach_of(static, points, dimensions) -> Any:
     """The largest absolute coordinate of a tile, or NaN where cells are to be found in float64 in any
     case."""
 
@@ -145,7 +150,7 @@ def clear(static, target, value):
         store(target, i, splat(static, value))
 
 
-def octave_of_tile(static, cells, offsets, totals, weights, frequency, amplitude, words, periods):
+def octave_of_tile(static, cells, offsets, totals, weights, frequency, amplitude, words, periods) -> Any:
     """Evaluate one octave at every point of a tile and add it to the totals."""
 
 
@@ -181,7 +186,7 @@ def _with_derivatives(static, cells, offsets, totals, weights, frequency, amplit
             store(totals, place, load_floats(static, totals, place) + found[axis] * slope)
 
 
-def cells_of(static, cells, i):
+def cells_of(static, cells, i) -> Any:
     """The cells of all axes as lanes."""
 
 
@@ -208,7 +213,7 @@ def _cells_of(static, cells, i):
     return (two, three, four)[static.value.dimensions - 2]
 
 
-def offsets_of(static, offsets, i):
+def offsets_of(static, offsets, i) -> Any:
     """The offsets of all axes as lanes."""
 
 
@@ -235,7 +240,7 @@ def _offsets_of(static, offsets, i):
     return (two, three, four)[static.value.dimensions - 2]
 
 
-def words_of(static, words):
+def words_of(static, words) -> Any:
     """The words of an octave, each in all lanes (four, whatever the dimensions: some kinds draw from the
     rest)."""
 
@@ -250,7 +255,7 @@ def _words_of(static, words):
     )
 
 
-def periods_of(static, periods):
+def periods_of(static, periods) -> Any:
     """The periods of an octave, each in all lanes, or None for each."""
 
 

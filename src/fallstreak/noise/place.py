@@ -8,9 +8,11 @@ million cells, float64 points, periods) cells are found in float64 and keep thei
 
 from __future__ import annotations
 
+from typing import Any
+
 from llvmlite import ir
 from numba.core.registry import cpu_target
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
 from .lanes import (
     I32,
@@ -21,6 +23,7 @@ from .lanes import (
     features,
     floor,
     fma,
+    intrinsic,
     load_doubles,
     load_floats,
     low_bits,
@@ -54,7 +57,7 @@ def _rounded_down(typingctx, x, scale):
     return x(x, scale), codegen
 
 
-def _settle(x, scale):
+def _settle(x, scale) -> Any:
     """MAGIC + the cell of x * scale."""
 
 
@@ -73,7 +76,7 @@ def cell_of(bits):
     return bits - EXCESS
 
 
-def width_of(static):
+def width_of(static) -> Any:
     """The width of the lanes, known to the compiler."""
 
 
@@ -114,7 +117,7 @@ def _float32(typingctx, x):
     return types.float32(x), codegen
 
 
-def load_wide(static, points, i):
+def load_wide(static, points, i) -> Any:
     """Coordinates of either precision as lanes of doubles."""
 
 
@@ -125,7 +128,7 @@ def _load_wide(static, points, i):
     return lambda static, points, i: widen(load_floats(static, points, i))
 
 
-def wrap(static, cell, period):
+def wrap(static, cell, period) -> Any:
     """A cell (a double) modulo the period, if there is one."""
 
 

@@ -12,6 +12,7 @@ import functools
 import hashlib
 import pathlib
 from dataclasses import dataclass
+from typing import Any
 
 from numba.core import types
 from numba.core.datamodel import models
@@ -50,7 +51,7 @@ class StaticType(types.Type):
     """The type of one `Static` or `Table`: two of them are equal when all choices and the source code are."""
 
     def __init__(self, value: Static | Table, digest: str):
-        self.value = value
+        self.value: Any = value
         self.digest = digest
         super().__init__(name=f"Static({value}, {digest})")
 
