@@ -8,11 +8,20 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from typing import Any
 
 from numba.extending import overload, register_jitable
 
 #: The module of each kind (in this package), and of each family of kinds.
-MODULES = {"perlin": "perlin"}
+MODULES = {
+    "perlin": "perlin",
+    "value": "value",
+    "cellular_f1": "cellular",
+    "cellular_f2": "cellular",
+    "cellular_f2f1": "cellular",
+    "improved": "improved",
+    "table": "table",
+}
 
 #: Kinds whose lattice is skewed: their cells and offsets are found by `place_simplex` of their module.
 _REGISTER: dict[tuple[str, int, bool], Callable] = {}
@@ -35,7 +44,7 @@ def find(kind: str, dimensions: int, derivatives: bool) -> Callable:
     return _REGISTER[kind, dimensions, derivatives]
 
 
-def evaluate(static, cells, offsets, words, periods):
+def evaluate(static, cells, offsets, words, periods) -> Any:
     """The noise that `static` chooses."""
 
 
