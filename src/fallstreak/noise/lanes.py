@@ -23,9 +23,9 @@ from numba.extending import register_model
 
 from .static import StaticType
 
-intrinsic: Any = (
-    _intrinsic  # a type checker takes the first argument of its functions, the typing context, for theirs
-)
+# decorators whose effect type checkers do not see
+intrinsic: Any = _intrinsic
+operation: Any = infer_global
 
 FLOAT, DOUBLE, INT, TRUTH = "float", "double", "int", "truth"
 _ELEMENT = {FLOAT: ir.FloatType(), DOUBLE: ir.DoubleType(), INT: ir.IntType(32), TRUTH: ir.IntType(1)}
