@@ -96,13 +96,14 @@ def smooth() -> np.ndarray:
     for clamped in (False, True):
         picture = np.empty((height, width), np.float32)
         for row in range(height):
-            distance = 60.0 / (row + 2.0)
-            x = (np.arange(width) - width / 2) * distance / 220.0
-            flat = np.full(width, distance * 2.0)
-            # a row is foreshortened: neighbouring rows lie farther apart than neighbouring columns
-            spacing = max(distance / 220.0, 2.0 * 60.0 / (row + 2.0) ** 2) if clamped else None
-            picture[row] = noise.fbm((x, flat, np.full(width, 0.5)), 9, spacing=spacing, seed=5)
-        parts.append(grey(picture, -0.6, 0.6))
+            distance = height / (row + 4.0)
+            x = (np.arange(width) - width / 2) * distance / height
+            ahead = np.full(width, 2.0 * distance)
+            # foreshortened: rows lie farther apart than columns
+            spacing = max(distance, 2.0 * distance**2) / height if clamped else None
+            points = x, ahead, np.full(width, 0.5)
+            picture[row] = noise.fbm(points, 8, frequency=3, gain=0.7, spacing=spacing)
+        parts.append(grey(picture, -0.5, 0.5))
     return beside(parts)
 
 

@@ -101,7 +101,8 @@ def test_warped_smooth_and_far_away(draw):
     ],
 )
 def test_mistakes_are_one_sentence_and_exit_status_2(draw, tmp_path, words, message):
-    status, out, err = draw("-o", "a.png", *SMALL, *words) if "-o" not in words else draw(*SMALL, *words)
+    given = () if "-o" in words else ("-o", "a.png")
+    status, out, err = draw(*given, *(() if "--size" in words else SMALL), *words)
     assert status == 2 and out == "" and message in err and err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
