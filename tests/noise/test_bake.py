@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fallstreak import noise
 from fallstreak.gpu import FrameGraph
 from fallstreak.noise import bake as baking
 from fallstreak.noise.bake import BakeSpec, Layer, bake, bake_pass, cloud_shapes, sample
@@ -65,6 +66,21 @@ def test_faces_of_a_cube_are_parts_of_one_field(device):
     p = np.stack([np.stack(face, -1) for face in faces])
     p *= radius / np.linalg.norm(p, axis=-1, keepdims=True)
     np.testing.assert_allclose(got, reference.fbm(p, 2, "value"), atol=1e-5)
+
+
+def test_cubes_are_those_of_the_cpu(device):
+    layer = Layer("perlin", octaves=4, frequency=3, seed=5)
+    got = bake(device, BakeSpec(16, layer, "r32float")).array()
+    np.testing.assert_allclose(got, noise.cube(16, octaves=4, frequency=3, seed=5), atol=1e-5)
+
+
+def test_volumes_are_those_of_the_cpu(device):
+    layer = Layer("perlin", octaves=3, frequency=4, seed=5)
+    got = bake(device, BakeSpec((16, 16, 8), layer, "r32float", tiling=True)).array()
+    want = noise.grid(
+        (8, 16, 16), step=1 / 16, origin=1 / 32, octaves=3, frequency=4, seed=5, period=(4, 4, 2)
+    )
+    np.testing.assert_allclose(got, want, atol=1e-5)
 
 
 def test_channels_and_blends(device):

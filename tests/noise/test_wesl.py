@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+from fallstreak import noise
 from fallstreak.noise import bake as gpu
 from fallstreak.noise import hashing
 from fallstreak.noise.bake import Layer
@@ -61,6 +62,14 @@ def test_values_are_those_of_the_reference(device, kind, dimensions):
     for seed in (0, 7, 2**32 - 1):
         got = gpu.sample(device, points, Layer(kind, frequency=1, seed=seed))
         np.testing.assert_allclose(got, reference.sample(points, kind, seed), atol=TOLERANCE)
+
+
+@pytest.mark.parametrize(("kind", "dimensions"), CASES)
+def test_values_are_those_of_the_cpu(device, kind, dimensions):
+    points = scattered(5000, dimensions)
+    got = gpu.sample(device, points, Layer(kind, "ridged", 3, frequency=1, seed=9))
+    want = noise.ridged(points, 3, kind=kind, seed=9)
+    np.testing.assert_allclose(got, want, atol=TOLERANCE)
 
 
 @pytest.mark.parametrize(("kind", "dimensions"), PERIODIC)
