@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import arguments, tiles
+from . import arguments, compose, tiles
 
 Points = ArrayLike | tuple[ArrayLike, ...]
 Floats = NDArray[np.float32]
@@ -247,7 +247,7 @@ def curl(
     )
     del settings["kind"]
     out = arguments.output(out, (*shape, len(axes)), axes)
-    _into(out, 1, lambda flat: tiles.curl(axes, flat, **settings))
+    _into(out, 1, lambda flat: compose.curl(axes, flat, **settings))
     return out
 
 
@@ -369,7 +369,7 @@ def _fractal(
         _into(out, 0, lambda flat: tiles.fbm(axes, flat, **settings))
     else:
         del settings["fractal"]
-        _into(out, 0, lambda flat: tiles.warp(axes, flat, amount, **settings))
+        _into(out, 0, lambda flat: compose.warp(axes, flat, amount, **settings))
     return out
 
 
