@@ -104,7 +104,7 @@ def _search(dimensions: int, second: bool):
     @inlined
     def search2(cells, offsets, words, periods):
         x, y = offsets
-        near, far = x * 0.0 + FAR, x * 0.0 + FAR
+        near = far = (x + y) * 0.0 + FAR  # NaN where a coordinate is
         for i in range(5):
             step = _ordered(i)
             gap = _gap(x, step)
@@ -126,7 +126,13 @@ def _search(dimensions: int, second: bool):
     @inlined
     def search3(cells, offsets, words, periods):
         x, y, z = offsets
-        near, far = x * 0.0 + FAR, x * 0.0 + FAR
+        near = far = (x + y + z) * 0.0 + FAR  # NaN where a coordinate is
+        # the planes of z are met in every row: hash them once
+        here = _plane(cells[2], 0, words[2], periods[2])
+        below = _plane(cells[2], -1, words[2], periods[2])
+        above = _plane(cells[2], 1, words[2], periods[2])
+        gap_below, gap_above = _gap(z, -1), _gap(z, 1)
+        gap_beyond = smaller(_gap(z, -2), _gap(z, 2))
         for i in range(5):
             step = _ordered(i)
             plane = _gap(x, step)
@@ -140,11 +146,16 @@ def _search(dimensions: int, second: bool):
                         hy = axis_hash_at(cells[1], step, words[1], periods[1])
                         a = whole(pair(hx, hy)) * FIRST
                         dy = y + (1 - step)
-                        for k in range(5):
-                            step = _ordered(k)
-                            if reached(row + _gap(z, step), near, far):
-                                b = _plane(cells[2], step, words[2], periods[2])
-                                near, far = visit3(_bits(b, a), dx, dy, z + (1 - step), near, far)
+                        near, far = visit3(_bits(here, a), dx, dy, z + 1.0, near, far)
+                        if reached(row + gap_below, near, far):
+                            near, far = visit3(_bits(below, a), dx, dy, z + 2.0, near, far)
+                        if reached(row + gap_above, near, far):
+                            near, far = visit3(_bits(above, a), dx, dy, z, near, far)
+                        if reached(row + gap_beyond, near, far):
+                            b = _plane(cells[2], -2, words[2], periods[2])
+                            near, far = visit3(_bits(b, a), dx, dy, z + 3.0, near, far)
+                            b = _plane(cells[2], 2, words[2], periods[2])
+                            near, far = visit3(_bits(b, a), dx, dy, z - 1.0, near, far)
         return near, far
 
     return search2 if dimensions == 2 else search3
