@@ -19,7 +19,7 @@ from numba.core.datamodel import models
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic as _intrinsic
-from numba.extending import register_model
+from numba.extending import overload, register_model
 
 from .static import StaticType
 
@@ -443,6 +443,29 @@ def scratch(typingctx, nbytes):
 
 
 @intrinsic
+def call_address(typingctx, address, pointer, source, first, count):
+    """Call the compiled function ``(pointer, source, first, count)`` at an address."""
+
+    def codegen(context, builder, sig, args):
+        byte = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [byte, I64, I64, I64])
+        builder.call(builder.inttoptr(args[0], kind.as_pointer()), args[1:])
+        return context.get_dummy_value()
+
+    return signature(types.void, types.int64, types.voidptr, types.int64, types.int64, types.int64), codegen
+
+
+def width_of(static) -> Any:
+    """The width of the lanes, known to the compiler."""
+
+
+@overload(width_of, jit_options={"forceinline": True})
+def _width_of(static):
+    width = static.value.width
+    return lambda static: width
+
+
+@intrinsic
 def shifted(typingctx, pointer, nbytes):
     """A pointer so many bytes further."""
 
@@ -535,6 +558,18 @@ def largest_float(typingctx, a):
         return builder.bitcast(top, ir.FloatType())
 
     return signature(types.float32, a), codegen
+
+
+@intrinsic
+def rounded(typingctx, x):
+    """A Python float rounded to float32, and of that type."""
+    if x != types.float64:
+        return None
+
+    def codegen(context, builder, sig, args):
+        return builder.fptrunc(args[0], ir.FloatType())
+
+    return signature(types.float32, x), codegen
 
 
 # -- raw arrays of the caller ------------------------------------------------------------------------------

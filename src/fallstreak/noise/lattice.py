@@ -96,3 +96,9 @@ def fade_slope(t):
     """The derivative of `fade`."""
     s = t * (t - 1.0)
     return 30.0 * s * s
+
+
+@inlined
+def mix(t, a, b):
+    """From a (t = 0) to b (t = 1)."""
+    return fma(t, b - a, a)

@@ -1,16 +1,21 @@
-"""From coordinates to lattice cells and the way into them: the first of the two loops over a tile.
+"""From coordinates to lattice cells and the way into them.
 
-A cell is kept as the bits of a float: ``1.5 * 2^23 + cell`` has the cell in its lowest bits, so that
-rounding a coordinate to a whole number and turning it into an integer are one addition. `cell_of` takes the
-excess off again, which LLVM moves into constants. Where that would not be exact (coordinates beyond four
-million cells, float64 points, periods) cells are found in float64 and keep their low 32 bits, up to 2^51.
+The cell of a float32 coordinate is found by adding ``1.5 * 2^23``: the sum has no room for a fraction, so
+that rounding to a whole number and turning it into an integer (the lowest bits of the sum) are one
+addition. The product of coordinate and frequency is never rounded: the frequency is the sum of two floats,
+and both go through fused multiplications. Beyond four million cells that does not work; such points,
+periods, and float64 points, are placed in float64, where cells keep their low 32 bits up to 2^51.
+
+Simplex noise has its cells in a sheared lattice: ``p + F * (px + py + ...)``. In float32 the shear is
+applied to whole cells and offsets apart, so that nothing is lost there either.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from llvmlite import ir
+import numpy as np
 from numba.core.registry import cpu_target
 from numba.extending import overload
 
@@ -28,25 +33,103 @@ from .lanes import (
     load_floats,
     low_bits,
     narrow,
+    rounded,
     select,
     splat,
     splat_double,
-    store,
-    widen,
 )
 from .lattice import inlined
+from .sources import TILE
 
-TILE = 256
 MAGIC = 12582912.0  # 1.5 * 2^23
 EXCESS = 0x4B400000  # its bits
 MAGIC_DOUBLE = 6755399441055744.0  # 1.5 * 2^52
-REACH = 4194304.0  # 2^22: cells beyond are found in float64
+REACH = 2097152.0  # cells from the origin that float32 is good for: 2^21, which the shear may double
+
+#: Kinds whose lattice is sheared.
+SHEARED = frozenset({"simplex"})
+
+
+def shear(dimensions: int) -> float:
+    """The factor F of the sum of the coordinates that is added to each of them."""
+    return (math.sqrt(dimensions + 1) - 1) / dimensions
+
+
+def unshear(dimensions: int) -> float:
+    """The factor G of the sum of the sheared coordinates that is subtracted from each of them."""
+    return (1 - 1 / math.sqrt(dimensions + 1)) / dimensions
+
+
+def locate(static, points, i, scale, lengths) -> Any:
+    """Cells (integer lanes) and offsets (float lanes, 0..1) of the samples i... of a tile, each a tuple of
+    axes.
+
+    `points` is the tile, one axis after another; `scale` comes from `scale_of`, `lengths` from `lengths_of`.
+    """
+
+
+@overload(locate, jit_options={"forceinline": True})
+def _locate(static, points, i, scale, lengths):
+    choice = static.value
+    if choice.kind in SHEARED:
+        variants = _DOUBLE_SHEARED if choice.double else _FLOAT_SHEARED
+    else:
+        variants = _CUBIC
+    return variants[choice.dimensions - 2]
+
+
+def scale_of(static, frequency) -> Any:
+    """The frequency in all lanes: as two floats whose sum it is, or as a double."""
+
+
+@overload(scale_of, jit_options={"forceinline": True})
+def _scale_of(static, frequency):
+    if static.value.double:
+        return lambda static, frequency: splat_double(static, frequency)
+
+    def two_floats(static, frequency):
+        high = rounded(frequency)
+        return splat(static, high), splat(static, frequency - np.float64(high))
+
+    return two_floats
+
+
+def lengths_of(static, periods) -> Any:
+    """The periods of an octave as lanes of doubles, or None for each axis."""
+
+
+@overload(lengths_of, jit_options={"forceinline": True})
+def _lengths_of(static, periods):
+    if not static.value.periodic:
+        return lambda static, periods: (None, None, None, None)
+    return lambda static, periods: (
+        splat_double(static, periods[0]),
+        splat_double(static, periods[1]),
+        splat_double(static, periods[2]),
+        splat_double(static, periods[3]),
+    )
+
+
+# -- rounding -----------------------------------------------------------------------------------------------
 
 
 @intrinsic
-def _rounded_down(typingctx, x, scale):
-    """x * scale + MAGIC, rounded towards minus infinity, by AVX-512's rounding mode of a single
-    instruction."""
+def _add_down(typingctx, x):
+    """x + MAGIC, rounded towards minus infinity by the rounding mode that AVX-512 has in single
+    instructions."""
+    if not isinstance(x, Lanes):
+        return None
+
+    def codegen(context, builder, sig, args):
+        magic = constant(x, MAGIC)
+        return call(builder, "llvm.x86.avx512.add.ps.512", magic.type, [args[0], magic, I32(9)])
+
+    return x(x), codegen
+
+
+@intrinsic
+def _multiply_add_down(typingctx, x, scale):
+    """x * scale + MAGIC, rounded likewise."""
     if x != scale or not isinstance(x, Lanes):
         return None
 
@@ -58,101 +141,200 @@ def _rounded_down(typingctx, x, scale):
 
 
 def _settle(x, scale) -> Any:
-    """MAGIC + the cell of x * scale."""
+    """MAGIC + the cell of x * scale; `scale` may be None."""
 
 
 @overload(_settle, jit_options={"forceinline": True})
 def _overload_settle(x, scale):
+    whole = not isinstance(scale, Lanes)
     if x.width == 16 and "avx512f" in features(cpu_target.target_context):
-        return lambda x, scale: _rounded_down(x, scale)
-    # rounding to the nearest, half a cell lower: at a whole number the offset may be 1 in the cell below
+        if whole:
+            return lambda x, scale: _add_down(x)
+        return lambda x, scale: _multiply_add_down(x, scale)
+    # to the nearest, from half a cell lower: at a whole number the offset may be 1 in the cell below
     # instead of 0
+    if whole:
+        return lambda x, scale: (x - 0.5) + MAGIC
     return lambda x, scale: fma(x, scale, -0.5) + MAGIC
 
 
-@inlined
-def cell_of(bits):
-    """The cell from what `place` stored."""
-    return bits - EXCESS
+# -- cubic lattices -----------------------------------------------------------------------------------------
 
 
-def width_of(static) -> Any:
-    """The width of the lanes, known to the compiler."""
+def _axis(static, points, i, scale, period) -> Any:
+    """Cell and offset along one axis."""
 
 
-@overload(width_of, jit_options={"forceinline": True})
-def _width_of(static):
-    width = static.value.width
-    return lambda static: width
+@overload(_axis, jit_options={"forceinline": True})
+def _overload_axis(static, points, i, scale, period):
+    if not static.value.double:
 
-
-@inlined
-def place_near(static, points, cells, offsets, frequency):
-    """Cells and offsets of one axis of a tile of float32 coordinates within `REACH`."""
-    high = _float32(frequency)
-    low = _float32(frequency - high)
-    scale, rest = splat(static, high), splat(static, low)
-    if low == 0.0:
-        for i in range(0, TILE, width_of(static)):
+        def near(static, points, i, scale, period):
             x = load_floats(static, points, i)
-            settled = _settle(x, scale)
-            store(cells, i, as_int(settled))
-            store(offsets, i, fma(x, scale, MAGIC - settled))
-    else:
-        for i in range(0, TILE, width_of(static)):
-            x = load_floats(static, points, i)
-            settled = _settle(x, scale)
-            store(cells, i, as_int(settled))
-            store(offsets, i, fma(x, rest, fma(x, scale, MAGIC - settled)))
+            settled = _settle(x, scale[0])
+            return as_int(settled) - EXCESS, fma(x, scale[1], fma(x, scale[0], MAGIC - settled))
+
+        return near
+
+    def far(static, points, i, scale, period):
+        x = load_doubles(static, points, i) * scale
+        cell = floor(x)
+        return low_bits(wrap(cell, period) + MAGIC_DOUBLE), narrow(x - cell)
+
+    return far
 
 
-@intrinsic
-def _float32(typingctx, x):
-    """A Python float rounded to float32, as a Python float of that type."""
-    from numba.core import types
-
-    def codegen(context, builder, sig, args):
-        return builder.fptrunc(args[0], ir.FloatType()) if x == types.float64 else args[0]
-
-    return types.float32(x), codegen
-
-
-def load_wide(static, points, i) -> Any:
-    """Coordinates of either precision as lanes of doubles."""
-
-
-@overload(load_wide, jit_options={"forceinline": True})
-def _load_wide(static, points, i):
-    if static.value.double:
-        return lambda static, points, i: load_doubles(static, points, i)
-    return lambda static, points, i: widen(load_floats(static, points, i))
-
-
-def wrap(static, cell, period) -> Any:
-    """A cell (a double) modulo the period, if there is one."""
+def wrap(cell, period) -> Any:
+    """A cell (in doubles) modulo the period, unless that is None."""
 
 
 @overload(wrap, jit_options={"forceinline": True})
-def _wrap(static, cell, period):
-    if not static.value.periodic:
-        return lambda static, cell, period: cell
+def _wrap(cell, period):
+    if not isinstance(period, Lanes):
+        return lambda cell, period: cell
 
-    def wrapped(static, cell, period):
-        length = splat_double(static, period)
-        rest = fma(floor(cell * splat_double(static, 1.0 / period)), -length, cell)
+    def wrapped(cell, period):
+        rest = fma(floor(cell / period), -period, cell)
         # the quotient may be off by one where the cell is next to a multiple of the period
-        rest = select(rest < 0.0, rest + length, rest)
-        return select(rest >= length, rest - length, rest)
+        rest = select(rest < 0.0, rest + period, rest)
+        return select(rest >= period, rest - period, rest)
 
     return wrapped
 
 
+def _cubic2(static, points, i, scale, lengths):
+    cx, x = _axis(static, points, i, scale, lengths[0])
+    cy, y = _axis(static, points, i + TILE, scale, lengths[1])
+    return (cx, cy), (x, y)
+
+
+def _cubic3(static, points, i, scale, lengths):
+    cx, x = _axis(static, points, i, scale, lengths[0])
+    cy, y = _axis(static, points, i + TILE, scale, lengths[1])
+    cz, z = _axis(static, points, i + 2 * TILE, scale, lengths[2])
+    return (cx, cy, cz), (x, y, z)
+
+
+def _cubic4(static, points, i, scale, lengths):
+    cx, x = _axis(static, points, i, scale, lengths[0])
+    cy, y = _axis(static, points, i + TILE, scale, lengths[1])
+    cz, z = _axis(static, points, i + 2 * TILE, scale, lengths[2])
+    cw, w = _axis(static, points, i + 3 * TILE, scale, lengths[3])
+    return (cx, cy, cz, cw), (x, y, z, w)
+
+
+_CUBIC = (_cubic2, _cubic3, _cubic4)
+
+
+# -- sheared lattices ---------------------------------------------------------------------------------------
+
+_F = tuple(float(np.float32(shear(d))) for d in (2, 3, 4))
+_F_REST = tuple(shear(d) - f for d, f in zip((2, 3, 4), _F, strict=True))
+_F2, _F3, _F4 = _F
+_R2, _R3, _R4 = _F_REST
+_D2, _D3, _D4 = (shear(d) for d in (2, 3, 4))
+
+
 @inlined
-def place_far(static, points, cells, offsets, frequency, period):
-    """Cells and offsets of one axis of a tile, found in float64."""
-    scale = splat_double(static, frequency)
-    for i in range(0, TILE, width_of(static)):
-        x = load_wide(static, points, i) * scale
-        cell = floor(x)
-        store(offsets, i, narrow(x - cell))
-        store(cells, i, low_bits(wrap(static, cell, period) + MAGIC_DOUBLE) + EXCESS)
+def _whole(static, points, i, scale):
+    """MAGIC + cell, and offset, of an axis before it is sheared."""
+    x = load_floats(static, points, i)
+    settled = _settle(x, scale[0])
+    return settled, fma(x, scale[1], fma(x, scale[0], MAGIC - settled))
+
+
+@inlined
+def _shift(cells, offsets, factor, rest):
+    """The shear of a sum of cells and a sum of offsets: MAGIC + its whole part, and the remainder."""
+    product = cells * factor
+    lost = fma(cells, factor, -product)
+    whole = product + MAGIC
+    return whole, fma(offsets, factor, fma(cells, rest, (product - (whole - MAGIC)) + lost))
+
+
+@inlined
+def _sheared(settled, offset, whole, remainder):
+    """Cell and offset of an axis: what carries over from the sum of both fractions goes to the cell."""
+    sum = offset + remainder
+    carry = _settle(sum, None)
+    cell = as_int(settled) + (as_int(whole) + as_int(carry))
+    return cell - 3 * EXCESS, sum - (carry - MAGIC)
+
+
+def _float_sheared2(static, points, i, scale, lengths):
+    a, x = _whole(static, points, i, scale)
+    b, y = _whole(static, points, i + TILE, scale)
+    whole, rest = _shift((a - MAGIC) + (b - MAGIC), x + y, _F2, _R2)
+    cx, x = _sheared(a, x, whole, rest)
+    cy, y = _sheared(b, y, whole, rest)
+    return (cx, cy), (x, y)
+
+
+def _float_sheared3(static, points, i, scale, lengths):
+    a, x = _whole(static, points, i, scale)
+    b, y = _whole(static, points, i + TILE, scale)
+    c, z = _whole(static, points, i + 2 * TILE, scale)
+    whole, rest = _shift((a - MAGIC) + (b - MAGIC) + (c - MAGIC), x + y + z, _F3, _R3)
+    cx, x = _sheared(a, x, whole, rest)
+    cy, y = _sheared(b, y, whole, rest)
+    cz, z = _sheared(c, z, whole, rest)
+    return (cx, cy, cz), (x, y, z)
+
+
+def _float_sheared4(static, points, i, scale, lengths):
+    a, x = _whole(static, points, i, scale)
+    b, y = _whole(static, points, i + TILE, scale)
+    c, z = _whole(static, points, i + 2 * TILE, scale)
+    d, w = _whole(static, points, i + 3 * TILE, scale)
+    cells = ((a - MAGIC) + (b - MAGIC)) + ((c - MAGIC) + (d - MAGIC))
+    whole, rest = _shift(cells, (x + y) + (z + w), _F4, _R4)
+    cx, x = _sheared(a, x, whole, rest)
+    cy, y = _sheared(b, y, whole, rest)
+    cz, z = _sheared(c, z, whole, rest)
+    cw, w = _sheared(d, w, whole, rest)
+    return (cx, cy, cz, cw), (x, y, z, w)
+
+
+_FLOAT_SHEARED = (_float_sheared2, _float_sheared3, _float_sheared4)
+
+
+@inlined
+def _split_double(x):
+    cell = floor(x)
+    return low_bits(cell + MAGIC_DOUBLE), narrow(x - cell)
+
+
+def _double_sheared2(static, points, i, scale, lengths):
+    x = load_doubles(static, points, i) * scale
+    y = load_doubles(static, points, i + TILE) * scale
+    shift = (x + y) * _D2
+    cx, fx = _split_double(x + shift)
+    cy, fy = _split_double(y + shift)
+    return (cx, cy), (fx, fy)
+
+
+def _double_sheared3(static, points, i, scale, lengths):
+    x = load_doubles(static, points, i) * scale
+    y = load_doubles(static, points, i + TILE) * scale
+    z = load_doubles(static, points, i + 2 * TILE) * scale
+    shift = (x + y + z) * _D3
+    cx, fx = _split_double(x + shift)
+    cy, fy = _split_double(y + shift)
+    cz, fz = _split_double(z + shift)
+    return (cx, cy, cz), (fx, fy, fz)
+
+
+def _double_sheared4(static, points, i, scale, lengths):
+    x = load_doubles(static, points, i) * scale
+    y = load_doubles(static, points, i + TILE) * scale
+    z = load_doubles(static, points, i + 2 * TILE) * scale
+    w = load_doubles(static, points, i + 3 * TILE) * scale
+    shift = ((x + y) + (z + w)) * _D4
+    cx, fx = _split_double(x + shift)
+    cy, fy = _split_double(y + shift)
+    cz, fz = _split_double(z + shift)
+    cw, fw = _split_double(w + shift)
+    return (cx, cy, cz, cw), (fx, fy, fz, fw)
+
+
+_DOUBLE_SHEARED = (_double_sheared2, _double_sheared3, _double_sheared4)

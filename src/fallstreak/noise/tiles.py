@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from . import hashing, lanes, loops
+from . import hashing, lanes, loops, sources
 from .static import Static
 
 CHUNK = 4096  # points: about a tenth of a millisecond for ten octaves
@@ -26,7 +26,7 @@ def fbm(axes, out, *, kind, fractal="fbm", threads=1, **series):
 
     Parameters
     ----------
-    axes : sequence of D flat arrays, all float32 or all float64, of any stride
+    axes : sequence of D flat arrays, all float32 or all float64, of any stride; or a `sources.Source`
     out : flat float32 array
     kind, fractal : str
     threads : int
@@ -62,7 +62,7 @@ def octaves_of(
 
 
 def launch(
-    axes: Sequence[np.ndarray],
+    points: Sequence[np.ndarray] | sources.Source,
     outputs: Sequence[np.ndarray],
     octaves: tuple[np.ndarray, ...],
     *,
@@ -71,38 +71,44 @@ def launch(
     derivatives: bool = False,
     threads: int = 1,
 ):
-    """Fill `outputs` (flat float32 arrays) with the noise at `axes` (flat arrays, all float32 or all
-    float64)."""
-    static = Static(
-        kind=kind,
-        dimensions=len(axes),
-        width=_width(),
-        derivatives=derivatives,
-        fractal=fractal,
-        periodic=bool(octaves[3].any()),
-        double=axes[0].dtype == np.float64,
-    )
-    arguments = (static, _places(axes), _places(outputs), *octaves)
-    count = len(outputs[0])
-    if threads == 1 or count * max(len(octaves[0]), 1) <= FEW or count <= CHUNK:
-        loops.run(*arguments, 0, count)
-        return
+    """Fill `outputs` (flat float32 arrays) with the noise at the points."""
+    source = points if isinstance(points, sources.Source) else sources.arrays(points)
+    periodic = bool(octaves[3].any())
+    if periodic:  # whose cells wrap in float64
+        source = source.doubled()
+    places = np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in outputs], np.int64)
+
+    def run(source: sources.Source) -> bool:
+        static = Static(
+            kind=kind,
+            dimensions=source.dimensions,
+            width=_width(),
+            derivatives=derivatives,
+            fractal=fractal,
+            periodic=periodic,
+            double=source.double,
+        )
+        arguments = (static, source.fill, source.data, places, *octaves)
+        return _in_chunks(lambda *part: loops.run(*arguments, *part), source.count, len(octaves[0]), threads)
+
+    if not run(source):  # too far from the origin for float32
+        run(source.doubled())
+
+
+def _in_chunks(work, count: int, octaves: int, threads: int) -> bool:
+    """Call ``work(start, stop)`` for all parts of `count` points; whether all of them said that they
+    succeeded."""
+    if threads == 1 or count * max(octaves, 1) <= FEW or count <= CHUNK:
+        return work(0, count)
     chunk = max(CHUNK, -(-count // (threads * 16)) & -loops.TILE)
     starts = iter(range(0, count, chunk))  # one step of it is atomic: it may be shared
 
-    def work():
-        for start in starts:
-            loops.run(*arguments, start, min(start + chunk, count))
+    def take() -> bool:
+        return all([work(start, min(start + chunk, count)) for start in starts])
 
-    helpers = [_pool().submit(work) for _ in range(min(threads, -(-count // chunk)) - 1)]
-    work()
-    for helper in helpers:
-        helper.result()
-
-
-def _places(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Address and stride of each array. Whoever calls keeps the arrays alive."""
-    return np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in arrays], np.int64)
+    helpers = [_pool().submit(take) for _ in range(min(threads, -(-count // chunk)) - 1)]
+    own = take()
+    return all([own, *(helper.result() for helper in helpers)])
 
 
 @functools.cache
