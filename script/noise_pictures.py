@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from fallstreak import noise
+from fallstreak.commands.noise import colour
 from fallstreak.noise.kinds import FRACTALS, KINDS
 from fallstreak.output.png import write_png
 
 SIDE = 224
 GAP = 8
+HEIGHT = 0.37  # of the planes through 3-D noise: no octave has it on its lattice
 
 
 def main(folder: str = "docs/noise") -> None:
@@ -41,7 +43,10 @@ def kind(name: str) -> np.ndarray:
 
 
 def fractal(name: str) -> np.ndarray:
-    return grey(plane(3, octaves=8, fractal=name, seed=11))
+    values = plane(3, octaves=8, fractal=name, seed=11)
+    if name == "turbulence":  # looks as billow does: show what it is for
+        values = np.sin(4 * np.pi * points(1)[0] + 14 * values)
+    return grey(values)
 
 
 def warp() -> np.ndarray:
@@ -101,7 +106,7 @@ def smooth() -> np.ndarray:
             ahead = np.full(width, 2.0 * distance)
             # foreshortened: rows lie farther apart than columns
             spacing = max(distance, 2.0 * distance**2) / height if clamped else None
-            points = x, ahead, np.full(width, 0.5)
+            points = x, ahead, np.full(width, HEIGHT)
             picture[row] = noise.fbm(points, 8, frequency=3, gain=0.7, spacing=spacing)
         parts.append(grey(picture, -0.5, 0.5))
     return beside(parts)
@@ -109,36 +114,35 @@ def smooth() -> np.ndarray:
 
 def tile() -> np.ndarray:
     """Four copies of one tile."""
-    one = grey(noise.grid((112, 112), period=4, octaves=6, kind="cellular_f2f1", seed=9))
+    one = grey(noise.grid((112, 112), period=4, octaves=2, kind="cellular_f2f1", seed=9))
     return np.tile(one, (2, 2))
 
 
 def cube() -> np.ndarray:
     """The six faces, unfolded, and the ball they make."""
-    size = 112
-    faces = noise.cube(size, octaves=9, radius=1.6, fractal="hybrid", seed=8)
+    size, options = 112, {"octaves": 10, "frequency": 1.3, "seed": 8, "gain": 0.55}
+    faces = noise.cube(size, **options)
     low, high = faces.min(), faces.max()
-    cross = np.full((3 * size, 4 * size), np.nan, np.float32)
+    cross = np.full((3 * size, 4 * size, 3), 255, np.uint8)
     for face, (row, column) in enumerate(((1, 2), (1, 0), (0, 1), (2, 1), (1, 1), (1, 3))):
-        cross[row * size : (row + 1) * size, column * size : (column + 1) * size] = faces[face]
-    picture = grey(np.nan_to_num(cross, nan=high), low, high)
+        part = slice(row * size, (row + 1) * size), slice(column * size, (column + 1) * size)
+        cross[part] = colour(faces[face], low, high, "land", 8)
     v, u = np.mgrid[-1 : 1 : 3j * size, -1 : 1 : 3j * size] * 1.05
-    inside = u * u + v * v < 1
     w = np.sqrt(np.maximum(1 - u * u - v * v, 0))
-    surface = noise.hybrid((1.6 * u, -1.6 * v, 1.6 * w), 9, seed=8)
-    light = np.clip(0.55 * w - 0.55 * u - 0.5 * v, 0.06, 1)
-    ball = np.where(inside, grey(surface, low, high) / 255 * light, 1)
-    return beside([picture, np.rint(255 * ball).astype(np.uint8)])
+    ball = colour(noise.fbm((u, -v, w), **options), low, high, "land", 8)
+    light = np.clip(0.75 * w - 0.5 * u - 0.45 * v, 0.05, 1) ** 0.7
+    ball = np.where((u * u + v * v < 1)[..., None], ball * light[..., None], 255)
+    return beside([cross, np.rint(ball).astype(np.uint8)])
 
 
 def points(cells: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     ticks = np.arange(SIDE) * cells / SIDE
     x, y = np.meshgrid(ticks, ticks)
-    return x, y, np.full_like(x, 0.5)
+    return x, y, np.full_like(x, HEIGHT)
 
 
 def plane(cells: float, **options) -> np.ndarray:
-    return noise.grid((1, SIDE, SIDE), step=cells / SIDE, origin=(0, 0, 0.5), **options)[0]
+    return noise.grid((1, SIDE, SIDE), step=cells / SIDE, origin=(0, 0, HEIGHT), **options)[0]
 
 
 def lit(height: np.ndarray, cells: float) -> np.ndarray:
@@ -156,6 +160,7 @@ def grey(values: np.ndarray, low: float | None = None, high: float | None = None
 def beside(pictures: list[np.ndarray], *, across: bool = True) -> np.ndarray:
     """With white between them."""
     gap = [(0, 0), (GAP, 0)] if across else [(GAP, 0), (0, 0)]
+    gap += [(0, 0)] * (pictures[0].ndim - 2)
     padded = [np.pad(p, gap if i else 0, constant_values=255) for i, p in enumerate(pictures)]
     return np.concatenate(padded, axis=1 if across else 0)
 

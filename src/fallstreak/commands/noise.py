@@ -75,7 +75,7 @@ def noise(
     period
         Repeat after so many cells, so that copies of the picture fit together.
     at
-        Where the upper left corner lies, in cells, as many numbers as dims: 1e7,0,0.5. [default: 0,0,0.5]
+        Where the upper left corner lies, in cells, as many numbers as dims: 1e7,0,0.5. [default: 0,0,0.37]
     smooth
         Leave out octaves finer than the pixels, fading: no aliasing.
     range
@@ -101,7 +101,7 @@ def noise(
         raise UsageError(f"--warp does not go with --fractal {fractal}: points are displaced for fbm only")
     cells = float(period or 8) if frequency is None else frequency
     check.check_number("--frequency", cells, 1e-6, 1e6)
-    corner = _numbers("--at", at, dims) if at is not None else (0.0, 0.0, 0.5, 0.5)[:dims]
+    corner = _numbers("--at", at, dims) if at is not None else (0.0, 0.0, 0.37, 0.37)[:dims]
     limits = _numbers("--range", range, 2) if range is not None else None
     if limits and limits[0] >= limits[1]:
         raise UsageError(f"--range {range} is empty: write LOW,HIGH, such as --range=-1,1")
