@@ -1,4 +1,4 @@
-"""Cellular noise (Worley 1996): distances to the nearest and second nearest of points scattered one to a cell.
+"""Cellular noise (Worley 1996): distances to the nearest and second nearest of points, one to a cell.
 
 A point may lie anywhere in its cell, so that nothing of the lattice shows. The nearest can then be two cells
 away, and the usual block of three cells along each axis misses it now and then, which shows as a cut. Here
