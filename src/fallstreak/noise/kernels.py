@@ -15,6 +15,7 @@ from numba.extending import overload, register_jitable
 #: The module of each kind (in this package), and of each family of kinds.
 MODULES = {
     "perlin": "perlin",
+    "simplex": "simplex",
     "value": "value",
     "cellular_f1": "cellular",
     "cellular_f2": "cellular",
@@ -23,7 +24,6 @@ MODULES = {
     "table": "table",
 }
 
-#: Kinds whose lattice is skewed: their cells and offsets are found by `place_simplex` of their module.
 _REGISTER: dict[tuple[str, int, bool], Callable] = {}
 
 

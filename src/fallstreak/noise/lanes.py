@@ -163,6 +163,18 @@ def _negative(context, builder, sig, args):
     return builder.fneg(args[0])
 
 
+@operation(operator.invert)
+class _Not(AbstractTemplate):
+    def generic(self, args, kws):
+        lanes = isinstance(args[0], Lanes) and args[0].element in (INT, TRUTH)
+        return signature(args[0], args[0]) if lanes else None
+
+
+@lower_builtin(operator.invert, Lanes)
+def _not(context, builder, sig, args):
+    return builder.not_(args[0])
+
+
 # -- what the processor can do -------------------------------------------------------------------------------
 
 
@@ -271,9 +283,12 @@ larger = _extremum("larger", "The larger of two, lane by lane.", ">")
 
 @intrinsic
 def select(typingctx, mask, a, b):
-    """a where the truth holds, else b."""
-    typ = _lanes_of((a, b))
-    if typ is None or not isinstance(mask, Lanes) or mask.element != TRUTH:
+    """a where the truth holds, else b; two Python numbers become float lanes."""
+    if not isinstance(mask, Lanes) or mask.element != TRUTH:
+        return None
+    numbers = isinstance(a, types.Float) and isinstance(b, types.Float)
+    typ = mask.of(FLOAT) if numbers else _lanes_of((a, b))
+    if typ is None:
         return None
 
     def codegen(context, builder, sig, args):
