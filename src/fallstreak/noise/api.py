@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import arguments, compose, tiles
+from . import arguments, compose, sources, tiles
 
 Points = ArrayLike | tuple[ArrayLike, ...]
 Floats = NDArray[np.float32]
@@ -20,7 +20,6 @@ KindName = Literal[
 FractalName = Literal["fbm", "ridged", "billow", "turbulence", "hybrid"]
 
 LOWEST, HIGHEST = 1e-12, 1e12  # of a frequency
-_BLOCK = 1 << 18  # points of a grid made at a time: they stay in the cache
 
 
 def sample(
@@ -303,7 +302,8 @@ def grid(
     else:
         steps = (1.0 / (64.0 * frequency),) * count
     out = arguments.output(out, shape)
-    _into(out, 0, lambda flat: _fill_grid(flat, shape, start, steps, settings))
+    source = sources.grid(shape, start, steps)
+    _into(out, 0, lambda flat: tiles.fbm(source, flat, **settings))
     return out
 
 
@@ -347,14 +347,15 @@ def cube(
         empty, kind, octaves, lacunarity, gain, seed, frequency, None, spacing, threads, fractal=fractal
     )
     out = arguments.output(out, shape)
-    _into(out, 0, lambda flat: _fill_cube(flat, size, radius, settings))
+    source = sources.cube(size, radius)
+    _into(out, 0, lambda flat: tiles.fbm(source, flat, **settings))
     return out
 
 
 def cube_directions(size: int) -> NDArray[np.float64]:
     """Unit vectors to the centres of a cube map's texels, (6, size, size, 3), faces as in `cube`."""
     size = arguments.integer("size", size, 1, 16384)
-    return np.stack([np.stack(_face(face, size, slice(0, size)), -1) for face in range(6)])
+    return np.stack([np.stack(_face(face, size), -1) for face in range(6)])
 
 
 def _fractal(
@@ -422,36 +423,10 @@ def _into(out: Floats, extra: int, fill) -> None:
         out[...] = filled
 
 
-def _fill_grid(flat, shape, origin, step, settings) -> None:
-    """Rows of x, so many at a time as stay in the cache."""
-    *outer, width = shape
-    x = origin[0] + step[0] * np.arange(width)
-    rows = flat.reshape(-1, width)
-    count = max(1, _BLOCK // width)
-    for first in range(0, len(rows), count):
-        part = rows[first : first + count]
-        indices = np.unravel_index(np.arange(first, first + len(part)), outer)
-        rest = [
-            np.repeat(origin[d] + step[d] * index, width)
-            for d, index in enumerate(reversed(indices), start=1)
-        ]
-        tiles.fbm((np.tile(x, len(part)), *rest), part.reshape(-1), **settings)
-
-
-def _fill_cube(flat, size, radius, settings) -> None:
-    faces = flat.reshape(6, size, size)
-    count = max(1, _BLOCK // size)
-    for face in range(6):
-        for first in range(0, size, count):
-            rows = slice(first, min(first + count, size))
-            axes = tuple((radius * axis).reshape(-1) for axis in _face(face, size, rows))
-            tiles.fbm(axes, faces[face, rows].reshape(-1), **settings)
-
-
-def _face(face: int, size: int, rows: slice) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _face(face: int, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Unit vectors to texels of a face: u runs right and v down, as in the WebGPU specification's table."""
     ticks = (np.arange(size) + 0.5) * (2.0 / size) - 1.0
-    u, v = np.broadcast_arrays(ticks, ticks[rows, None])
+    u, v = np.broadcast_arrays(ticks, ticks[:, None])
     w = np.ones_like(u)
     x, y, z = (
         (w, -v, -u),

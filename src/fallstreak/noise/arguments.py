@@ -181,7 +181,7 @@ def output(out: Any, shape: tuple[int, ...], inputs: Collection[np.ndarray] = ()
 
 def _overlap(a: np.ndarray, b: np.ndarray) -> bool:
     try:
-        return np.shares_memory(a, b, max_work=10_000)
+        return np.shares_memory(a, b, max_work=10_000)  # type: ignore[arg-type]
     except np.exceptions.TooHardError:
         return True
 
