@@ -31,7 +31,8 @@ from .lanes import (
     width_of,
 )
 from .lattice import inlined
-from .place import REACH, TILE, lengths_of, locate, scale_of
+from .place import REACH, REACH_SHEARED, SHEARED, lengths_of, locate, scale_of
+from .sources import TILE
 
 FLOATS = 4 * TILE  # bytes of a tile of floats
 # sizes of the buffers for up to four axes, as plain names, which Numba takes for literal numbers
@@ -99,6 +100,7 @@ def _near(static, points, frequency):
     if static.value.double:
         return lambda static, points, frequency: True
     dimensions = static.value.dimensions
+    reach = REACH_SHEARED if static.value.kind in SHEARED else REACH
 
     def reached(static, points, frequency):
         top = splat(static, 0)
@@ -106,7 +108,7 @@ def _near(static, points, frequency):
             for i in range(axis * TILE, (axis + 1) * TILE, width_of(static)):
                 # without their signs, floats are ordered as integers, and NaN comes after infinity
                 top = larger(top, as_int(load_floats(static, points, i)) & 0x7FFFFFFF)
-        return largest_float(top) * frequency < REACH
+        return largest_float(top) * frequency < reach
 
     return reached
 

@@ -6,7 +6,7 @@ addition. The product of coordinate and frequency is never rounded: the frequenc
 and both go through fused multiplications. Beyond four million cells that does not work; such points,
 periods, and float64 points, are placed in float64, where cells keep their low 32 bits up to 2^51.
 
-Simplex noise has its cells in a sheared lattice: ``p + F * (px + py + ...)``. In float32 the shear is
+XX
 applied to whole cells and offsets apart, so that nothing is lost there either.
 """
 
@@ -44,7 +44,8 @@ from .sources import TILE
 MAGIC = 12582912.0  # 1.5 * 2^23
 EXCESS = 0x4B400000  # its bits
 MAGIC_DOUBLE = 6755399441055744.0  # 1.5 * 2^52
-REACH = 2097152.0  # cells from the origin that float32 is good for: 2^21, which the shear may double
+REACH = 4194304.0  # cells from the origin that float32 is good for: 2^22
+REACH_SHEARED = 65536.0  # beyond, the border of a cell is missed by more than a smooth noise forgives
 
 #: Kinds whose lattice is sheared.
 SHEARED = frozenset({"simplex"})
@@ -226,115 +227,110 @@ def _cubic4(static, points, i, scale, lengths):
 _CUBIC = (_cubic2, _cubic3, _cubic4)
 
 
-# -- sheared lattices ---------------------------------------------------------------------------------------
+# -- sheared lattices: cells, and offsets already sheared back
+# ------------------------------------------------
 
-_F = tuple(float(np.float32(shear(d))) for d in (2, 3, 4))
-_F_REST = tuple(shear(d) - f for d, f in zip((2, 3, 4), _F, strict=True))
-_F2, _F3, _F4 = _F
-_R2, _R3, _R4 = _F_REST
 _D2, _D3, _D4 = (shear(d) for d in (2, 3, 4))
+_G2, _G3, _G4 = (unshear(d) for d in (2, 3, 4))
+_H2, _H3, _H4 = (g - float(np.float32(g)) for g in (_G2, _G3, _G4))
 
 
 @inlined
-def _whole(static, points, i, scale):
-    """MAGIC + cell, and offset, of an axis before it is sheared."""
-    x = load_floats(static, points, i)
-    settled = _settle(x, scale[0])
-    return settled, fma(x, scale[1], fma(x, scale[0], MAGIC - settled))
+def _from_cell(x, scale, cell, whole, rest):
+    """The way from a cell to a point along one axis: x * scale - cell + whole + rest, where only `rest` is
+    no integer."""
+    way = fma(x, scale[1], fma(x, scale[0], whole - cell))
+    return way + rest
 
 
 @inlined
-def _shift(cells, offsets, factor, rest):
-    """The shear of a sum of cells and a sum of offsets: MAGIC + its whole part, and the remainder."""
-    product = cells * factor
-    lost = fma(cells, factor, -product)
-    whole = product + MAGIC
-    return whole, fma(offsets, factor, fma(cells, rest, (product - (whole - MAGIC)) + lost))
-
-
-@inlined
-def _sheared(settled, offset, whole, remainder):
-    """Cell and offset of an axis: what carries over from the sum of both fractions goes to the cell."""
-    sum = offset + remainder
-    carry = _settle(sum, None)
-    cell = as_int(settled) + (as_int(whole) + as_int(carry))
-    return cell - 3 * EXCESS, sum - (carry - MAGIC)
+def _unsheared(cells, factor, lost):
+    """The sum of the cells times G, as a whole number and a remainder: so nothing is lost when both are
+    large."""
+    whole = fma(cells, factor, MAGIC) - MAGIC
+    return whole, fma(cells, lost, fma(cells, factor, -whole))
 
 
 def _float_sheared2(static, points, i, scale, lengths):
-    a, x = _whole(static, points, i, scale)
-    b, y = _whole(static, points, i + TILE, scale)
-    whole, rest = _shift((a - MAGIC) + (b - MAGIC), x + y, _F2, _R2)
-    cx, x = _sheared(a, x, whole, rest)
-    cy, y = _sheared(b, y, whole, rest)
-    return (cx, cy), (x, y)
+    x, y = load_floats(static, points, i), load_floats(static, points, i + TILE)
+    shift = (x + y) * (scale[0] * _D2)
+    a, b = _settle(fma(x, scale[0], shift), None), _settle(fma(y, scale[0], shift), None)
+    cx, cy = a - MAGIC, b - MAGIC
+    whole, rest = _unsheared(cx + cy, _G2, _H2)
+    ways = _from_cell(x, scale, cx, whole, rest), _from_cell(y, scale, cy, whole, rest)
+    return (as_int(a) - EXCESS, as_int(b) - EXCESS), ways
 
 
 def _float_sheared3(static, points, i, scale, lengths):
-    a, x = _whole(static, points, i, scale)
-    b, y = _whole(static, points, i + TILE, scale)
-    c, z = _whole(static, points, i + 2 * TILE, scale)
-    whole, rest = _shift((a - MAGIC) + (b - MAGIC) + (c - MAGIC), x + y + z, _F3, _R3)
-    cx, x = _sheared(a, x, whole, rest)
-    cy, y = _sheared(b, y, whole, rest)
-    cz, z = _sheared(c, z, whole, rest)
-    return (cx, cy, cz), (x, y, z)
+    x, y = load_floats(static, points, i), load_floats(static, points, i + TILE)
+    z = load_floats(static, points, i + 2 * TILE)
+    shift = (x + y + z) * (scale[0] * _D3)
+    a, b = _settle(fma(x, scale[0], shift), None), _settle(fma(y, scale[0], shift), None)
+    c = _settle(fma(z, scale[0], shift), None)
+    cx, cy, cz = a - MAGIC, b - MAGIC, c - MAGIC
+    whole, rest = _unsheared(cx + cy + cz, _G3, _H3)
+    ways = (
+        _from_cell(x, scale, cx, whole, rest),
+        _from_cell(y, scale, cy, whole, rest),
+        _from_cell(z, scale, cz, whole, rest),
+    )
+    return (as_int(a) - EXCESS, as_int(b) - EXCESS, as_int(c) - EXCESS), ways
 
 
 def _float_sheared4(static, points, i, scale, lengths):
-    a, x = _whole(static, points, i, scale)
-    b, y = _whole(static, points, i + TILE, scale)
-    c, z = _whole(static, points, i + 2 * TILE, scale)
-    d, w = _whole(static, points, i + 3 * TILE, scale)
-    cells = ((a - MAGIC) + (b - MAGIC)) + ((c - MAGIC) + (d - MAGIC))
-    whole, rest = _shift(cells, (x + y) + (z + w), _F4, _R4)
-    cx, x = _sheared(a, x, whole, rest)
-    cy, y = _sheared(b, y, whole, rest)
-    cz, z = _sheared(c, z, whole, rest)
-    cw, w = _sheared(d, w, whole, rest)
-    return (cx, cy, cz, cw), (x, y, z, w)
+    x, y = load_floats(static, points, i), load_floats(static, points, i + TILE)
+    z, w = load_floats(static, points, i + 2 * TILE), load_floats(static, points, i + 3 * TILE)
+    shift = ((x + y) + (z + w)) * (scale[0] * _D4)
+    a, b = _settle(fma(x, scale[0], shift), None), _settle(fma(y, scale[0], shift), None)
+    c, d = _settle(fma(z, scale[0], shift), None), _settle(fma(w, scale[0], shift), None)
+    cx, cy, cz, cw = a - MAGIC, b - MAGIC, c - MAGIC, d - MAGIC
+    whole, rest = _unsheared((cx + cy) + (cz + cw), _G4, _H4)
+    ways = (
+        _from_cell(x, scale, cx, whole, rest),
+        _from_cell(y, scale, cy, whole, rest),
+        _from_cell(z, scale, cz, whole, rest),
+        _from_cell(w, scale, cw, whole, rest),
+    )
+    return (as_int(a) - EXCESS, as_int(b) - EXCESS, as_int(c) - EXCESS, as_int(d) - EXCESS), ways
 
 
 _FLOAT_SHEARED = (_float_sheared2, _float_sheared3, _float_sheared4)
 
 
 @inlined
-def _split_double(x):
-    cell = floor(x)
-    return low_bits(cell + MAGIC_DOUBLE), narrow(x - cell)
+def _bits(cell):
+    return low_bits(cell + MAGIC_DOUBLE)
 
 
 def _double_sheared2(static, points, i, scale, lengths):
-    x = load_doubles(static, points, i) * scale
-    y = load_doubles(static, points, i + TILE) * scale
+    x, y = load_doubles(static, points, i) * scale, load_doubles(static, points, i + TILE) * scale
     shift = (x + y) * _D2
-    cx, fx = _split_double(x + shift)
-    cy, fy = _split_double(y + shift)
-    return (cx, cy), (fx, fy)
+    cx, cy = floor(x + shift), floor(y + shift)
+    back = (cx + cy) * _G2
+    return (_bits(cx), _bits(cy)), (narrow(x - cx + back), narrow(y - cy + back))
 
 
 def _double_sheared3(static, points, i, scale, lengths):
-    x = load_doubles(static, points, i) * scale
-    y = load_doubles(static, points, i + TILE) * scale
+    x, y = load_doubles(static, points, i) * scale, load_doubles(static, points, i + TILE) * scale
     z = load_doubles(static, points, i + 2 * TILE) * scale
     shift = (x + y + z) * _D3
-    cx, fx = _split_double(x + shift)
-    cy, fy = _split_double(y + shift)
-    cz, fz = _split_double(z + shift)
-    return (cx, cy, cz), (fx, fy, fz)
+    cx, cy, cz = floor(x + shift), floor(y + shift), floor(z + shift)
+    back = (cx + cy + cz) * _G3
+    ways = narrow(x - cx + back), narrow(y - cy + back), narrow(z - cz + back)
+    return (_bits(cx), _bits(cy), _bits(cz)), ways
 
 
 def _double_sheared4(static, points, i, scale, lengths):
-    x = load_doubles(static, points, i) * scale
-    y = load_doubles(static, points, i + TILE) * scale
-    z = load_doubles(static, points, i + 2 * TILE) * scale
-    w = load_doubles(static, points, i + 3 * TILE) * scale
+    x, y = load_doubles(static, points, i) * scale, load_doubles(static, points, i + TILE) * scale
+    z, w = (
+        load_doubles(static, points, i + 2 * TILE) * scale,
+        load_doubles(static, points, i + 3 * TILE) * scale,
+    )
     shift = ((x + y) + (z + w)) * _D4
-    cx, fx = _split_double(x + shift)
-    cy, fy = _split_double(y + shift)
-    cz, fz = _split_double(z + shift)
-    cw, fw = _split_double(w + shift)
-    return (cx, cy, cz, cw), (fx, fy, fz, fw)
+    cx, cy, cz, cw = floor(x + shift), floor(y + shift), floor(z + shift), floor(w + shift)
+    back = ((cx + cy) + (cz + cw)) * _G4
+    ways = narrow(x - cx + back), narrow(y - cy + back), narrow(z - cz + back), narrow(w - cw + back)
+    return (_bits(cx), _bits(cy), _bits(cz), _bits(cw)), ways
 
 
 _DOUBLE_SHEARED = (_double_sheared2, _double_sheared3, _double_sheared4)

@@ -26,10 +26,8 @@ def _corners2(cells, offsets, words, periods):
     """Index and way of each of the three corners."""
     hx0, hx1 = axis_pair(cells[0], words[0], periods[0])
     hy0, hy1 = axis_pair(cells[1], words[1], periods[1])
-    fx, fy = offsets
-    s = (fx + fy) * G2
-    x, y = fx - s, fy - s
-    first = fx > fy
+    x, y = offsets
+    first = x > y
     middle = index(select(first, hx1, hx0), select(first, hy0, hy1))
     return (
         (index(hx0, hy0), x, y),
@@ -64,10 +62,8 @@ def _corners3(cells, offsets, words, periods):
     hx0, hx1 = axis_pair(cells[0], words[0], periods[0])
     hy0, hy1 = axis_pair(cells[1], words[1], periods[1])
     hz0, hz1 = axis_pair(cells[2], words[2], periods[2])
-    fx, fy, fz = offsets
-    s = (fx + fy + fz) * G3
-    x, y, z = fx - s, fy - s, fz - s
-    xy, xz, yz = fx > fy, fx > fz, fy > fz
+    x, y, z = offsets
+    xy, xz, yz = x > y, x > z, y > z
     # the axis of the largest offset comes first, that of the smallest last
     i, j, k = xy & xz, ~xy & yz, ~(xz | yz)
     hx, hy, hz = select(i, hx1, hx0), select(j, hy1, hy0), select(k, hz1, hz0)
@@ -140,11 +136,9 @@ def _corners4(cells, offsets, words, periods):
     py = axis_pair(cells[1], words[1], periods[1])
     pz = axis_pair(cells[2], words[2], periods[2])
     pw = axis_pair(cells[3], words[3], periods[3])
-    fx, fy, fz, fw = offsets
-    s = ((fx + fy) + (fz + fw)) * G4
-    x, y, z, w = fx - s, fy - s, fz - s, fw - s
-    xy, xz, xw = select(fx > fy, 1.0, 0.0), select(fx > fz, 1.0, 0.0), select(fx > fw, 1.0, 0.0)
-    yz, yw, zw = select(fy > fz, 1.0, 0.0), select(fy > fw, 1.0, 0.0), select(fz > fw, 1.0, 0.0)
+    x, y, z, w = offsets
+    xy, xz, xw = select(x > y, 1.0, 0.0), select(x > z, 1.0, 0.0), select(x > w, 1.0, 0.0)
+    yz, yw, zw = select(y > z, 1.0, 0.0), select(y > w, 1.0, 0.0), select(z > w, 1.0, 0.0)
     # how many of the others each offset exceeds
     rank = xy + xz + xw, yz + yw + (1.0 - xy), zw + (2.0 - xz - yz), 3.0 - xw - yw - zw
     hashes, ways = (px, py, pz, pw), (x, y, z, w)
