@@ -94,13 +94,13 @@ def signed16(h):
 
 
 def corner_factors(index, words):
-    """The two hashed factors of a lattice point, odd signed 16-bit numbers in int64 arrays."""
+    """The two hashed factors of a lattice point, odd 16-bit numbers in int64 arrays."""
     t = (index.astype(np.uint64) * np.uint64(0x9E3779B1) + words[: index.shape[-1]]) & np.uint64(MASK)
-    h = signed16((t ^ (t >> np.uint64(16))) | np.uint64(1))
+    h = (((t ^ (t >> np.uint64(16))) & np.uint64(0xFFFF)) | np.uint64(0x8001)).astype(np.int64)
     if index.shape[-1] == 2:
         return h[..., 0], h[..., 1]
-    a = signed16(h[..., 0] * h[..., 1])
-    return a, h[..., 2] if index.shape[-1] == 3 else signed16(h[..., 2] * h[..., 3])
+    a = (h[..., 0] * h[..., 1]) & 0xFFFF
+    return a, h[..., 2] if index.shape[-1] == 3 else (h[..., 2] * h[..., 3]) & 0xFFFF
 
 
 def hash_index(index, words, entries):
@@ -204,7 +204,7 @@ def perlin(points, words, period=None):
     return lerp_corners(fraction, corner)
 
 
-SIMPLEX_SCALES = {2: 65.35, 3: 76.88, 4: 62.77}  # one over the largest sum of the kernels
+SIMPLEX_SCALES = {2: 65.35, 3: 76.88, 4: 62.77 * 1.5}  # make 1 the largest value
 
 
 def simplex(points, words, period=None):
