@@ -29,7 +29,7 @@ def run(report):
             rows.append(("  reference", *PUBLISHED[kind], "", ""))
         _goals(report, kind, found, seeds, lags)
     report.table(
-        f"one octave, {VOLUMES} volumes of {SIZE}³, {PER_CELL} samples a cell; |r| of 64 seeds, at lags 4…4096",
+        f"one octave, {VOLUMES} volumes of {SIZE}³, {PER_CELL} a cell; |r| of 64 seeds, at lags 4…4096",
         ("kind", "< .25", "axis", "110", "111", "beads", "seeds", "lags"),
         rows,
     )

@@ -8,6 +8,8 @@ import pytest
 from fallstreak import noise
 from fallstreak.noise import quality
 
+from . import reference
+
 PER_CELL = 8
 LAGS = [2**k for k in range(2, 13)]
 HASHED = ("perlin", "simplex", "value", "cellular_f1")
@@ -69,6 +71,20 @@ def test_nothing_comes_again_at_powers_of_two(kind, dimensions):
     points = quality.places(2**20, dimensions)
     found = quality.correlation_at_lags(octave(kind), LAGS, points)
     assert max(found.values()) <= 0.01, found
+
+
+@pytest.mark.parametrize(("dimensions", "axis"), [(2, 0), (2, 1), (3, 2)])
+def test_no_plane_of_the_lattice_draws_from_few_gradients(dimensions, axis):
+    """A plane whose hash spoils the product would be a line across a whole landscape."""
+    words = reference.axis_words(0, 0)
+    index = np.random.default_rng(3).integers(-(2**20), 2**20, (1, 400, dimensions)).repeat(2000, 0)
+    for start in range(0, 20_000, 2000):
+        index[..., axis] = np.arange(start, start + 2000)[:, None]
+        found = np.sort(reference.hash_index(index, words, 8 if dimensions == 2 else 16), axis=1)
+        different = 1 + (np.diff(found, axis=1) != 0).sum(1)
+        assert different.min() >= (4 if dimensions == 2 else 8)
+        sizes = np.abs(reference.gradient(index, words)).mean(1)
+        assert np.abs(sizes / sizes.mean(0) - 1).max() <= 0.25
 
 
 def test_the_tables_come_again_after_256_cells():
