@@ -90,7 +90,8 @@ def test_nan_and_infinity_give_nan_and_touch_nothing_else(kind, dimensions, dtyp
         bad[place] = True
     value = noise.fbm(p, 3, kind=kind, threads=threads)
     assert np.isnan(value[bad]).all()
-    assert np.array_equal(value[~bad], expected[~bad])
+    # where cells cannot be found in float32 they are in float64, which shears simplices more exactly
+    assert np.abs(value[~bad] - expected[~bad]).max() <= (1e-5 if kind == "simplex" else 0)
 
 
 @pytest.mark.parametrize(("kind", "dimensions"), EACH)
