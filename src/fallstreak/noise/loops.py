@@ -22,6 +22,7 @@ from .lanes import (
     larger,
     largest_float,
     load_floats,
+    load_ints,
     pointer_at,
     put_float,
     scratch,
@@ -36,7 +37,7 @@ from .sources import TILE
 
 FLOATS = 4 * TILE  # bytes of a tile of floats
 # sizes of the buffers for up to four axes, as plain names, which Numba takes for literal numbers
-_POINTS, _TOTALS = 8 * FLOATS, 5 * FLOATS
+_POINTS, _CELLS, _TOTALS = 8 * FLOATS, 4 * FLOATS, 5 * FLOATS
 
 compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
 
@@ -62,6 +63,7 @@ def run(static, fill, source, outputs, frequencies, amplitudes, words, periods, 
         False if some points lie too far for float32; the results are then of no use.
     """
     points = scratch(_POINTS)
+    cells, offsets = scratch(_CELLS), scratch(_CELLS)
     totals = scratch(_TOTALS)
     weights = scratch(FLOATS)
     highest = frequencies.max() if len(frequencies) else 0.0
@@ -77,6 +79,8 @@ def run(static, fill, source, outputs, frequencies, amplitudes, words, periods, 
             one_octave(
                 static,
                 points,
+                cells,
+                offsets,
                 totals,
                 weights,
                 frequencies[octave],
@@ -119,22 +123,23 @@ def clear(static, target, value):
         store(target, i, splat(static, value))
 
 
-def one_octave(static, points, totals, weights, frequency, amplitude, words, periods) -> Any:
+def one_octave(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods) -> Any:
     """Evaluate one octave at every point of a tile and add it to the totals."""
 
 
 @overload(one_octave, jit_options={"forceinline": True})
-def _one_octave(static, points, totals, weights, frequency, amplitude, words, periods):
+def _one_octave(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods):
     return _with_derivatives if static.value.derivatives else _values
 
 
-def _values(static, points, totals, weights, frequency, amplitude, words, periods):
+def _values(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods):
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share = splat(static, amplitude)
+    locate_all(static, points, cells, offsets, scale, lengths)
     for i in range(0, TILE, width_of(static)):
-        cells, offsets = locate(static, points, i, scale, lengths)
-        (value,) = evaluate(static, cells, offsets, keys, wraps)
+        found, ways = located(static, points, cells, offsets, i, scale, lengths)
+        (value,) = evaluate(static, found, ways, keys, wraps)
         total, weight = accumulate(
             static, value, share, load_floats(static, totals, i), load_floats(static, weights, i)
         )
@@ -142,17 +147,117 @@ def _values(static, points, totals, weights, frequency, amplitude, words, period
         store(weights, i, weight)
 
 
-def _with_derivatives(static, points, totals, weights, frequency, amplitude, words, periods):
+def _with_derivatives(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods):
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share, slope = splat(static, amplitude), splat(static, amplitude * frequency)
+    locate_all(static, points, cells, offsets, scale, lengths)
     for i in range(0, TILE, width_of(static)):
-        cells, offsets = locate(static, points, i, scale, lengths)
-        found = evaluate(static, cells, offsets, keys, wraps)
-        store(totals, i, load_floats(static, totals, i) + found[0] * share)
-        for axis in range(1, len(found)):
+        found, ways = located(static, points, cells, offsets, i, scale, lengths)
+        values = evaluate(static, found, ways, keys, wraps)
+        store(totals, i, load_floats(static, totals, i) + values[0] * share)
+        for axis in range(1, len(values)):
             place = i + axis * TILE
-            store(totals, place, load_floats(static, totals, place) + found[axis] * slope)
+            store(totals, place, load_floats(static, totals, place) + values[axis] * slope)
+
+
+# -- cells: found where they are needed, or, where that makes too long a chain of instructions that wait for
+# each other (simplex noise), by a loop of their own, which writes them beside the points
+# -------------------------
+
+
+def locate_all(static, points, cells, offsets, scale, lengths) -> Any:
+    """The loop before."""
+
+
+@overload(locate_all, jit_options={"forceinline": True})
+def _locate_all(static, points, cells, offsets, scale, lengths):
+    if static.value.kind not in SHEARED:
+        return lambda static, points, cells, offsets, scale, lengths: None
+
+    def loop(static, points, cells, offsets, scale, lengths):
+        for i in range(0, TILE, width_of(static)):
+            put_all(cells, offsets, i, locate(static, points, i, scale, lengths))
+
+    return loop
+
+
+def located(static, points, cells, offsets, i, scale, lengths) -> Any:
+    """Cells and offsets of some samples."""
+
+
+@overload(located, jit_options={"forceinline": True})
+def _located(static, points, cells, offsets, i, scale, lengths):
+    if static.value.kind not in SHEARED:
+        return lambda static, points, cells, offsets, i, scale, lengths: locate(
+            static, points, i, scale, lengths
+        )
+    return lambda static, points, cells, offsets, i, scale, lengths: (
+        cells_of(static, cells, i),
+        offsets_of(static, offsets, i),
+    )
+
+
+@inlined
+def put_all(cells, offsets, i, located):
+    found, ways = located
+    for axis in range(len(found)):
+        store(cells, i + axis * TILE, found[axis])
+        store(offsets, i + axis * TILE, ways[axis])
+
+
+def cells_of(static, cells, i) -> Any:
+    """The cells of all axes as lanes."""
+
+
+@overload(cells_of, jit_options={"forceinline": True})
+def _cells_of(static, cells, i):
+    def two(static, cells, i):
+        return load_ints(static, cells, i), load_ints(static, cells, i + TILE)
+
+    def three(static, cells, i):
+        return (
+            load_ints(static, cells, i),
+            load_ints(static, cells, i + TILE),
+            load_ints(static, cells, i + 2 * TILE),
+        )
+
+    def four(static, cells, i):
+        return (
+            load_ints(static, cells, i),
+            load_ints(static, cells, i + TILE),
+            load_ints(static, cells, i + 2 * TILE),
+            load_ints(static, cells, i + 3 * TILE),
+        )
+
+    return (two, three, four)[static.value.dimensions - 2]
+
+
+def offsets_of(static, offsets, i) -> Any:
+    """The offsets of all axes as lanes."""
+
+
+@overload(offsets_of, jit_options={"forceinline": True})
+def _offsets_of(static, offsets, i):
+    def two(static, offsets, i):
+        return load_floats(static, offsets, i), load_floats(static, offsets, i + TILE)
+
+    def three(static, offsets, i):
+        return (
+            load_floats(static, offsets, i),
+            load_floats(static, offsets, i + TILE),
+            load_floats(static, offsets, i + 2 * TILE),
+        )
+
+    def four(static, offsets, i):
+        return (
+            load_floats(static, offsets, i),
+            load_floats(static, offsets, i + TILE),
+            load_floats(static, offsets, i + 2 * TILE),
+            load_floats(static, offsets, i + 3 * TILE),
+        )
+
+    return (two, three, four)[static.value.dimensions - 2]
 
 
 def words_of(static, words) -> Any:
