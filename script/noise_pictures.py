@@ -39,7 +39,8 @@ def main(folder: str = "docs/noise") -> None:
 def kind(name: str) -> np.ndarray:
     """One octave, six cells across, by the range that the kind has."""
     about = KINDS[name]
-    return grey(plane(6, kind=name), about.low, about.high)
+    contrast = 0.8 if about.low < 0 else 1.0  # few values come near the ends
+    return grey(plane(6, kind=name), contrast * about.low, contrast * about.high)
 
 
 def fractal(name: str) -> np.ndarray:
@@ -55,18 +56,18 @@ def warp() -> np.ndarray:
 
 def curl() -> np.ndarray:
     """White noise smeared along the flow (Cabral and Leedom 1993): what its streamlines look like."""
-    size, reach = 2 * SIDE, 24
+    size, reach, cells = 2 * SIDE, 24, 4
     dust = np.random.default_rng(1).random((size, size))
-    ticks = (np.arange(size) + 0.5) * 6 / size
+    ticks = (np.arange(size) + 0.5) * cells / size
     total = np.zeros((size, size))
     for way in (1.0, -1.0):
         x, y = np.meshgrid(ticks, ticks)
         for _ in range(reach):
-            column, row = (np.clip((p * size / 6).astype(int), 0, size - 1) for p in (x, y))
+            column, row = (np.clip((p * size / cells).astype(int), 0, size - 1) for p in (x, y))
             total += dust[row, column]
             velocity = noise.curl(np.stack([x, y], -1), octaves=2, seed=3).astype(float)
             velocity /= np.maximum(np.linalg.norm(velocity, axis=-1, keepdims=True), 1e-6)
-            x, y = x + way * velocity[..., 0] * 6 / size, y + way * velocity[..., 1] * 6 / size
+            x, y = x + way * velocity[..., 0] * cells / size, y + way * velocity[..., 1] * cells / size
     smeared = total.reshape(SIDE, 2, SIDE, 2).mean((1, 3))
     return grey(smeared, *np.percentile(smeared, (1, 99)))
 
@@ -77,8 +78,8 @@ def journal() -> np.ndarray:
     for octaves, cells in ((1, 10), (7, 3)):
         row = []
         for name in ("table", "improved", "perlin", "simplex"):
-            height = plane(cells, kind=name, octaves=octaves, seed=2)
-            row.append(lit(height / height.std(), cells))
+            finer = 0.6 if name == "simplex" else 1.0  # its cells are smaller: show features of one size
+            row.append(lit(plane(finer * cells, kind=name, octaves=octaves, seed=2)))
         rows.append(beside(row))
     return beside(rows, across=False)
 
@@ -145,10 +146,12 @@ def plane(cells: float, **options) -> np.ndarray:
     return noise.grid((1, SIDE, SIDE), step=cells / SIDE, origin=(0, 0, HEIGHT), **options)[0]
 
 
-def lit(height: np.ndarray, cells: float) -> np.ndarray:
-    slope_y, slope_x = np.gradient(height, cells / len(height))
-    shade = (1.0 - 1.2 * slope_x - 0.5 * slope_y) / np.sqrt(1 + slope_x**2 + slope_y**2)
-    return grey(shade, -1.2, 1.7)
+def lit(height: np.ndarray) -> np.ndarray:
+    """As ground, whose slopes are half a unit on the average, under light from the upper left."""
+    slope_y, slope_x = np.gradient(height)
+    steepness = 0.5 / np.sqrt((slope_x**2 + slope_y**2).mean())
+    x, y = steepness * slope_x, steepness * slope_y
+    return grey((1.0 + 0.9 * x + 0.6 * y) / np.sqrt(1 + x**2 + y**2), 0.0, 1.6)
 
 
 def grey(values: np.ndarray, low: float | None = None, high: float | None = None) -> np.ndarray:
