@@ -45,7 +45,7 @@ def any_true(typingctx, mask):
 @inlined
 def _whole(h):
     """A 16-bit hash as a number of 32 bits."""
-    return (h << 16) >> 16
+    return h & 0xFFFF
 
 
 @inlined

@@ -5,28 +5,28 @@ the noise has one 32-bit *word* per axis, drawn from the seed and the octave by 
 wraps.
 
 1. **Axis hash**, 16 bits, one per axis and lattice plane: ``t = cell * 0x9E3779B1 + word``,
-   ``h = (t ^ (t >> 16)) | 1`` (logical shift); the low 16 bits of h, read as a *signed* integer.
-2. **Pair**: ``pair(a, b)`` is the low 16 bits of ``a * b``, read as a signed integer.
-3. **Corner**: two signed 16-bit numbers (a, b).
+   ``h = (t ^ (t >> 16)) | 0x8001`` (logical shift); the low 16 bits of h: an odd number, 32769 to 65535.
+2. **Pair**: ``pair(a, b)`` is the low 16 bits of ``a * b``, without a sign.
+3. **Corner**: two 16-bit numbers (a, b).
    2-D: ``a = hx, b = hy``. 3-D: ``a = pair(hx, hy), b = hz``. 4-D: ``a = pair(hx, hy), b = pair(hz, hw)``.
 4. What a kind draws from a corner.
-   An **index** of n entries (n a power of two up to 4096): ``((a * b) >> 16) & (n - 1)``, arithmetic shift
-   of the signed 32-bit product. A **value** in -1..1: ``pair(a, b) / 32768`` (always odd, so never 0). 32
-   **bits**, where several numbers are needed: ``p = (a * b) * 0x2C1B3C6D; p ^= p >> 15; p *= 0x297A2D39; p
-   ^= p >> 15`` (logical shifts).
+   An **index** of n entries (n a power of two up to 4096): ``((a * b) >> 16) & (n - 1)``. A **value** in
+   -1..1: ``pair(a, b)`` read as a signed 16-bit number, over 32768 (always odd, so never 0). 32 **bits**,
+   where several numbers are needed: ``p = (a * b) * 0x2C1B3C6D; p ^= p >> 15; p *= 0x297A2D39; p ^= p >> 15``
+   (logical shifts).
 
 Why so: in 3-D eight corners are hashed per sample but only six lattice planes. Multiplying hashed numbers
 mixes them as a finaliser would, and 16-bit products are the cheapest multiplications that vector units
 have: one micro-operation gives the product already shifted to where a permute wants its index; a 32-bit
-product is two on Intel, and the shift is a third. Forcing the hashes odd keeps every factor invertible. A
-seed moves the lattice by a random 32-bit offset along every axis.
+product is two on Intel, and the shift is a third. Odd hashes keep every factor invertible, and large ones
+keep whole planes from drawing but a few gradients, as those with a small number would. A seed moves the
+lattice by a random 32-bit offset along every axis.
 
-Measured on 400 000 lattice points: |r| of the gradients between 64 consecutive seeds at most .0043, between
-64 octaves of one seed .0042, at lags 1, 2, 4 ... 4096 along every axis .0035: what independent draws give
-(one hash of two full 32-bit rounds, for comparison: .0268 between seeds in 2-D). Periodograms of lattice
-planes are flat: the strongest line is 15 to 18 times the mean, as for random numbers. The price: about one
-lattice plane in 4000 draws from fewer than 16 gradients, because its axis hash is a very small number (in
-4-D, where two hashes multiply, one plane in 360 showed a line of 39 times the mean).
+Measured on 490 000 lattice points, in 2, 3 and 4 dimensions: |r| of the gradients between 64 consecutive
+seeds at most .0051, .0063, .0059, at lags 1, 2, 4 ... 4096 along every axis .0058, .0053, .0085: what
+independent draws give (one hash of two full 32-bit rounds, for comparison: .0268 between seeds in 2-D). Of
+20 000 planes in a row the worst draws from 8 of the 16 gradients. The price: a 3-D pair of planes in 4000
+makes a small number, and the line where they meet draws from few gradients.
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ def signed16(value: int) -> int:
 
 
 def axis_hash(cell: int, word: int) -> int:
-    """Step 1: the signed 16-bit hash of one lattice plane."""
+    """Step 1: the 16-bit hash of one lattice plane, at least 32769."""
     t = (cell * MULTIPLIER + word) & _MASK32
-    return signed16((t ^ (t >> 16)) | 1)
+    return ((t ^ (t >> 16)) | 0x8001) & 0xFFFF
 
 
 def corner(cells: tuple[int, ...], words: tuple[int, ...]) -> tuple[int, int]:
@@ -76,7 +76,7 @@ def corner(cells: tuple[int, ...], words: tuple[int, ...]) -> tuple[int, int]:
     h = [axis_hash(cell, word) for cell, word in zip(cells, words, strict=False)]
     if len(h) == 2:
         return h[0], h[1]
-    return signed16(h[0] * h[1]), h[2] if len(h) == 3 else signed16(h[2] * h[3])
+    return h[0] * h[1] & 0xFFFF, h[2] if len(h) == 3 else h[2] * h[3] & 0xFFFF
 
 
 def index(a: int, b: int, entries: int) -> int:

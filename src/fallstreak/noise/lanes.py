@@ -335,18 +335,17 @@ def multiply16(typingctx, a, b):
 
 @intrinsic
 def multiply16_high(typingctx, a, b):
-    """The upper half of the 32-bit product of the signed low 16 bits, in the low 16 bits; above is of no
-    use."""
+    """The upper half of the 32-bit product of the low 16 bits, in the low 16 bits; above is of no use."""
     if not isinstance(a, Lanes) or a != b or a.element != INT:
         return None
 
     def codegen(context, builder, sig, args):
         if a.width == 1:
-            x, y = (builder.ashr(builder.shl(v, I32(16)), I32(16)) for v in args)
-            return builder.ashr(builder.mul(x, y), I32(16))
+            x, y = (builder.and_(v, I32(0xFFFF)) for v in args)
+            return builder.lshr(builder.mul(x, y), I32(16))
         wide = ir.VectorType(I32, 2 * a.width)
-        x, y = (builder.sext(_halves(builder, v), wide) for v in args)
-        high = builder.ashr(builder.mul(x, y), constant(Lanes(INT, 2 * a.width), 16))
+        x, y = (builder.zext(_halves(builder, v), wide) for v in args)
+        high = builder.lshr(builder.mul(x, y), constant(Lanes(INT, 2 * a.width), 16))
         return builder.bitcast(builder.trunc(high, ir.VectorType(ir.IntType(16), 2 * a.width)), args[0].type)
 
     return signature(a, a, b), codegen

@@ -16,6 +16,8 @@ from .lanes import fma, multiply16, multiply16_high, select, shift_right
 
 MULTIPLY = MULTIPLIER - (1 << 32)  # as a signed number, which keeps Numba from widening it
 
+HIGH_AND_ODD = 0x8001  # no plane's hash is a small number, see hashing.py
+
 inlined = register_jitable(forceinline=True)
 
 
@@ -23,12 +25,12 @@ inlined = register_jitable(forceinline=True)
 def axis_hash(cell, word):
     """The hash of one lattice plane."""
     t = cell * MULTIPLY + word
-    return (t ^ shift_right(t, 16)) | 1
+    return (t ^ shift_right(t, 16)) | HIGH_AND_ODD
 
 
 @inlined
 def fold(t):
-    return (t ^ shift_right(t, 16)) | 1
+    return (t ^ shift_right(t, 16)) | HIGH_AND_ODD
 
 
 def axis_pair(cell, word, period) -> Any:
