@@ -25,6 +25,7 @@ from .lanes import (
     load_ints,
     pointer_at,
     put_float,
+    rounded,
     scratch,
     shifted,
     splat,
@@ -32,14 +33,18 @@ from .lanes import (
     width_of,
 )
 from .lattice import inlined
-from .place import REACH, REACH_SHEARED, SHEARED, lengths_of, locate, scale_of
+from .machine_code import keyed
+from .place import EXCESS, REACH, REACH_SHEARED, SHEARED, lengths_of, locate, scale_of, short_scale_of
 from .sources import TILE
 
 FLOATS = 4 * TILE  # bytes of a tile of floats
 # sizes of the buffers for up to four axes, as plain names, which Numba takes for literal numbers
 _POINTS, _CELLS, _TOTALS = 8 * FLOATS, 4 * FLOATS, 5 * FLOATS
 
-compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
+
+def compiled(function) -> Any:
+    """Compile when called, once for all processes."""
+    return keyed(njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
 @compiled
@@ -136,7 +141,7 @@ def _values(static, points, cells, offsets, totals, weights, frequency, amplitud
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share = splat(static, amplitude)
-    locate_all(static, points, cells, offsets, scale, lengths)
+    locate_all(static, points, cells, offsets, frequency, lengths)
     for i in range(0, TILE, width_of(static)):
         found, ways = located(static, points, cells, offsets, i, scale, lengths)
         (value,) = evaluate(static, found, ways, keys, wraps)
@@ -151,7 +156,7 @@ def _with_derivatives(static, points, cells, offsets, totals, weights, frequency
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share, slope = splat(static, amplitude), splat(static, amplitude * frequency)
-    locate_all(static, points, cells, offsets, scale, lengths)
+    locate_all(static, points, cells, offsets, frequency, lengths)
     for i in range(0, TILE, width_of(static)):
         found, ways = located(static, points, cells, offsets, i, scale, lengths)
         values = evaluate(static, found, ways, keys, wraps)
@@ -166,20 +171,31 @@ def _with_derivatives(static, points, cells, offsets, totals, weights, frequency
 # -------------------------
 
 
-def locate_all(static, points, cells, offsets, scale, lengths) -> Any:
+def locate_all(static, points, cells, offsets, frequency, lengths) -> Any:
     """The loop before."""
 
 
 @overload(locate_all, jit_options={"forceinline": True})
-def _locate_all(static, points, cells, offsets, scale, lengths):
+def _locate_all(static, points, cells, offsets, frequency, lengths):
     if static.value.kind not in SHEARED:
-        return lambda static, points, cells, offsets, scale, lengths: None
+        return lambda static, points, cells, offsets, frequency, lengths: None
 
-    def loop(static, points, cells, offsets, scale, lengths):
+    def loop(static, points, cells, offsets, frequency, lengths):
+        scale = scale_of(static, frequency)
         for i in range(0, TILE, width_of(static)):
             put_all(cells, offsets, i, locate(static, points, i, scale, lengths))
 
-    return loop
+    def either(static, points, cells, offsets, frequency, lengths):
+        if frequency == np.float64(rounded(frequency)):
+            scale = short_scale_of(static, frequency)
+            for i in range(0, TILE, width_of(static)):
+                put_all(cells, offsets, i, locate(static, points, i, scale, lengths))
+        else:
+            scale = scale_of(static, frequency)
+            for i in range(0, TILE, width_of(static)):
+                put_all(cells, offsets, i, locate(static, points, i, scale, lengths))
+
+    return loop if static.value.double else either
 
 
 def located(static, points, cells, offsets, i, scale, lengths) -> Any:
@@ -202,7 +218,9 @@ def _located(static, points, cells, offsets, i, scale, lengths):
 def put_all(cells, offsets, i, located):
     found, ways = located
     for axis in range(len(found)):
-        store(cells, i + axis * TILE, found[axis])
+        # with the excess that the loop after takes off for nothing, since it multiplies and adds constants
+        # anyway
+        store(cells, i + axis * TILE, found[axis] + EXCESS)
         store(offsets, i + axis * TILE, ways[axis])
 
 
@@ -213,21 +231,21 @@ def cells_of(static, cells, i) -> Any:
 @overload(cells_of, jit_options={"forceinline": True})
 def _cells_of(static, cells, i):
     def two(static, cells, i):
-        return load_ints(static, cells, i), load_ints(static, cells, i + TILE)
+        return load_ints(static, cells, i) - EXCESS, load_ints(static, cells, i + TILE) - EXCESS
 
     def three(static, cells, i):
         return (
-            load_ints(static, cells, i),
-            load_ints(static, cells, i + TILE),
-            load_ints(static, cells, i + 2 * TILE),
+            load_ints(static, cells, i) - EXCESS,
+            load_ints(static, cells, i + TILE) - EXCESS,
+            load_ints(static, cells, i + 2 * TILE) - EXCESS,
         )
 
     def four(static, cells, i):
         return (
-            load_ints(static, cells, i),
-            load_ints(static, cells, i + TILE),
-            load_ints(static, cells, i + 2 * TILE),
-            load_ints(static, cells, i + 3 * TILE),
+            load_ints(static, cells, i) - EXCESS,
+            load_ints(static, cells, i + TILE) - EXCESS,
+            load_ints(static, cells, i + 2 * TILE) - EXCESS,
+            load_ints(static, cells, i + 3 * TILE) - EXCESS,
         )
 
     return (two, three, four)[static.value.dimensions - 2]
