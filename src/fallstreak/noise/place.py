@@ -95,6 +95,12 @@ def _scale_of(static, frequency):
     return two_floats
 
 
+@inlined
+def short_scale_of(static, frequency):
+    """The scale of a frequency that is a float32: there is no second float."""
+    return splat(static, rounded(frequency)), None
+
+
 def lengths_of(static, periods) -> Any:
     """The periods of an octave as lanes of doubles, or None for each axis."""
 
@@ -235,12 +241,16 @@ _G2, _G3, _G4 = (unshear(d) for d in (2, 3, 4))
 _H2, _H3, _H4 = (g - float(np.float32(g)) for g in (_G2, _G3, _G4))
 
 
-@inlined
-def _from_cell(x, scale, cell, whole, rest):
-    """The way from a cell to a point along one axis: x * scale - cell + whole + rest, where only `rest` is
-    no integer."""
-    way = fma(x, scale[1], fma(x, scale[0], whole - cell))
-    return way + rest
+def _from_cell(x, scale, cell, whole, rest) -> Any:
+    """The way from a cell to a point along an axis: x * scale - cell + whole + rest; only `rest` is no
+    integer."""
+
+
+@overload(_from_cell, jit_options={"forceinline": True})
+def _overload_from_cell(x, scale, cell, whole, rest):
+    if isinstance(scale[1], Lanes):
+        return lambda x, scale, cell, whole, rest: fma(x, scale[0], whole - cell) + fma(x, scale[1], rest)
+    return lambda x, scale, cell, whole, rest: fma(x, scale[0], whole - cell) + rest
 
 
 @inlined
