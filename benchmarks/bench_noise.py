@@ -13,6 +13,7 @@ from statistics import median
 
 sys.path.insert(0, str(Path(__file__).parent))  # the files beside this one
 
+import noise_bound
 import noise_journal
 import noise_peers as peers
 from noise_peers import OCTAVES, SEED, SIDE, SLOW_SAMPLE, Times, race, race_apart
@@ -30,6 +31,7 @@ HOW = f"{SIDE}² points of a tilted plane, {OCTAVES} octaves, 3-D, float32"
 def run(report):
     report.note(f"peers: {', '.join(peers.describe())}")
     found = _one_thread(report)
+    _bound(report)
     _weaker(report, found)
     _plain(report)
     _avx2(report)
@@ -53,6 +55,30 @@ def _one_thread(report):
         for peer in STRONG:
             _ratio(report, f"{kind} over {peer}", found, f"{peer} {kind}", f"fallstreak {kind}", goal)
     return found
+
+
+def _bound(report):
+    """What share of the speed that its instructions allow the loop reaches."""
+    counted = noise_bound.of_perlin()
+    metric, goal = "noise: perlin, share of its issue bound", ">= 75"
+    if not counted:
+        report.missing(metric, "%", "the loop has no 512-bit vectors here", goal=goal)
+        return
+    report.note(
+        f"vector instructions for 16 samples: {', '.join(f'{n} {i}' for i, n in counted.most_common())}"
+    )
+    names = ("fallstreak perlin", "clock")
+    ours, clock = (race(dict.fromkeys(names, 2 * ROUNDS + 1))[name] for name in names)
+    slots = noise_bound.issues(counted)
+    least = slots / noise_bound.PORTS / noise_bound.LANES  # cycles
+    pairs = list(zip(ours.seconds, clock.seconds, strict=True))
+    # cycles that there are in our time, by the clock's own
+    share = median(100 * least * EVALUATIONS / (noise_bound.CYCLES * o / c) for o, c in pairs)
+    hertz = noise_bound.CYCLES / clock.median
+    how = f"{slots} issues in the machine code of the loop for {noise_bound.LANES} samples, "
+    how += f"{noise_bound.PORTS} a cycle: {least:.2f} cycles each, {1e9 * least / hertz:.2f} ns at "
+    how += f"{hertz / 1e9:.2f} GHz, measured in turns with the loop; median of {len(pairs)} pairs"
+    report.add(metric, share, "%", goal=goal, how=how)
 
 
 def _weaker(report, found):

@@ -295,6 +295,12 @@ def _journal(step: str) -> Runner:
     return noise_journal.runner(step, plane(), OCTAVES)
 
 
+def _clock() -> Runner:
+    import noise_bound
+
+    return noise_bound.chain
+
+
 def _module(name: str):
     try:
         return importlib.import_module(name)
@@ -313,6 +319,7 @@ _LIBRARIES: dict[str, Callable[..., Runner]] = {
     "perlin-noise": _perlin_noise,
     "numpy": _numpy,
     "journal": _journal,
+    "clock": _clock,
 }
 
 
