@@ -214,6 +214,19 @@ def suffix(typ: ir.Type) -> str:
     return {"float": "f32", "double": "f64"}.get(str(typ), str(typ))
 
 
+@intrinsic
+def whole_registers(typingctx):
+    """Let LLVM vectorise the calling function's loops in registers of 512 bits; unasked it takes half of
+    them."""
+
+    def codegen(context, builder, sig, args):
+        # llvmlite knows only attributes without a value; LLVM takes any
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return context.get_dummy_value()
+
+    return signature(types.void), codegen
+
+
 # -- floats --------------------------------------------------------------------------------------------------
 
 

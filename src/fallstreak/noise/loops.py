@@ -30,6 +30,7 @@ from .lanes import (
     shifted,
     splat,
     store,
+    whole_registers,
     width_of,
 )
 from .lattice import inlined
@@ -138,6 +139,7 @@ def _one_octave(static, points, cells, offsets, totals, weights, frequency, ampl
 
 
 def _values(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods):
+    whole_registers()
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share = splat(static, amplitude)
@@ -153,6 +155,7 @@ def _values(static, points, cells, offsets, totals, weights, frequency, amplitud
 
 
 def _with_derivatives(static, points, cells, offsets, totals, weights, frequency, amplitude, words, periods):
+    whole_registers()
     scale, keys = scale_of(static, frequency), words_of(static, words)
     lengths, wraps = lengths_of(static, periods), wraps_of(static, periods)
     share, slope = splat(static, amplitude), splat(static, amplitude * frequency)
