@@ -14,11 +14,10 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba.core import types
-from numba.extending import intrinsic
 
 from .hashing import SCRAMBLE
 from .kernels import kernel
-from .lanes import TRUTH, Lanes, as_float, fma, larger, root, shift_right, smaller
+from .lanes import TRUTH, Lanes, as_float, fma, intrinsic, larger, root, shift_right, smaller
 from .lattice import axis_hash, inlined, neighbour, pair
 
 FIRST, SECOND = SCRAMBLE

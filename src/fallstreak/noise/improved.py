@@ -1,7 +1,7 @@
 """Improved noise exactly as Ken Perlin published it (2002): his permutation, his gradients, his fade.
 
-It repeats after 256 cells along each axis; seeds and octaves are other places of the same field. In 2-D it is the
-plane z = 0 of the noise in 3-D. `perlin` looks the same, does not repeat, and costs a third.
+It repeats after 256 cells along each axis; seeds and octaves are other places of the same field. In 2-D it
+is the plane z = 0 of the noise in 3-D. `perlin` looks the same, does not repeat, and costs half.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The fast noise of the Infinity journal (2007): Improved noise with random values where it has gradients.
 
-A table of 512 values within ±0.7 takes the place of the gradients and their products, which made it three times
-faster on a Pentium 4. What it loses, `quality` measures: 11 % of the energy lies below a quarter of a cycle per cell,
-the axes have a third of the power of the body diagonals, and every extremum sits on the lattice. It is here to be
-compared; `perlin` is faster today.
+A table of 512 values within ±0.7 takes the place of the gradients and their products, which made it three
+times faster on a Pentium 4. What it loses, `quality` measures: 11 % of the energy lies below a quarter of a
+cycle per cell, the axes have a third of the power of the body diagonals, and every extremum sits on the
+lattice. It is here to be compared: `perlin` is faster today.
 
 The second half of the table repeats the first, else the noise would break where the permutation starts again.
 """
