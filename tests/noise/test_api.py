@@ -336,7 +336,7 @@ def test_other_functions_refuse_as_clearly(call, message):
 
 
 def test_the_functions_are_not_hidden_by_modules_of_the_same_name():
-    import fallstreak.noise.gradient
+    import fallstreak.noise
 
     p = points(3, dimensions=2)
     for _ in range(2):  # the first call may import modules

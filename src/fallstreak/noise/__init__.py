@@ -5,13 +5,12 @@ are first called and keeps on disk; importing compiles nothing. `bake` and the W
 do it on the GPU. `kinds` lists what there is, `quality` measures how good a noise is. docs/noise.md has the
 sources, the speed and the limits.
 
-`gradient.py` is an older 2-D noise with its own scale that the terrain is built from.
+`patterns` is Perlin noise in the scale that land and sky are made in, `scatter` has random numbers for what
+is scattered one to a cell.
 """
 
 from __future__ import annotations
 
-# Modules that bear the name of a function are imported before it, else a later import would hide it.
-from . import gradient as _terrain  # noqa: F401  # isort: skip
 from . import kinds
 from .api import (
     billow,

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..noise.gradient import gradient_value, hash_lattice
+from ..noise.patterns import value as noise_at
+from ..noise.scatter import hash_lattice
 from .elevation import ElevationGrid, bilinear
 from .spline import blur, coefficients, evaluate
 
@@ -181,7 +182,7 @@ class FileLand:
         c, r = np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)
         outside = np.hypot((column - c) * self.pitch[0], (row - r) * self.pitch[1])
         memory = np.exp(-outside / _MEMORY)
-        noise = 4.0 * gradient_value(east / _REGION, north / _REGION, self.seed + 17) * self._region_spread
+        noise = 4.0 * noise_at(east / _REGION, north / _REGION, self.seed + 17) * self._region_spread
         wanted = memory * self._region[r.astype(int), c.astype(int)] + np.sqrt(1.0 - memory**2) * noise
         margin_c = min(self.edge / self.pitch[0], 0.5 * columns - 1.0)
         margin_r = min(self.edge / self.pitch[1], 0.5 * rows - 1.0)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..noise.gradient import gradient_value
+from ..noise.patterns import value as noise_at
 
 
 class FractalLand:
@@ -54,19 +54,19 @@ class FractalLand:
     def _hills(self, east, north, spacing):
         """Height above the base (m) and how mountainous it is (0..1), at any places."""
         e, n = east / self.feature, north / self.feature
-        warp_e = gradient_value(0.7 * e, 0.7 * n, self.seed + 901)
-        warp_n = gradient_value(0.7 * e, 0.7 * n, self.seed + 902)
+        warp_e = noise_at(0.7 * e, 0.7 * n, self.seed + 901)
+        warp_n = noise_at(0.7 * e, 0.7 * n, self.seed + 902)
         e, n = e + 0.9 * warp_e, n + 0.9 * warp_n
         # where the ranges are: 0 plains, 1 mountains
-        region = gradient_value(0.22 * e, 0.22 * n, self.seed + 903)
-        region += 0.5 * gradient_value(0.5 * e, 0.5 * n, self.seed + 904)
+        region = noise_at(0.22 * e, 0.22 * n, self.seed + 903)
+        region += 0.5 * noise_at(0.5 * e, 0.5 * n, self.seed + 904)
         mountains = _smoothstep(region, -0.25, 0.4)
         total, weight, amplitude, norm = np.zeros(e.shape), np.ones(e.shape), 1.0, 0.0
         for octave in range(self.octaves):
             scale = 2.0**octave
             if self.feature / scale < 2.0 * spacing:
                 break
-            noise = gradient_value(e * scale, n * scale, self.seed + octave)
+            noise = noise_at(e * scale, n * scale, self.seed + octave)
             signal = 0.5 + noise if self.dry else (1.0 - np.minimum(np.abs(2.4 * noise), 1.0)) ** 2
             total += amplitude * weight * signal
             norm += amplitude
@@ -80,12 +80,12 @@ class FractalLand:
         """Transverse dunes on the plains, 700 m apart: gentle to the west wind, steep in the lee."""
         if spacing > 250.0:
             return 0.0
-        bend = 500.0 * gradient_value(east / 3000.0, north / 3000.0, self.seed + 910)
-        wobble = gradient_value(east / 900.0, north / 900.0, self.seed + 911)
+        bend = 500.0 * noise_at(east / 3000.0, north / 3000.0, self.seed + 910)
+        wobble = noise_at(east / 900.0, north / 900.0, self.seed + 911)
         phase = (east + 0.35 * north + bend) / 700.0 + 0.35 * wobble
         f = phase - np.floor(phase)
         shape = np.where(f < 0.7, _smoothstep(f, 0.0, 0.7), _smoothstep(1.0 - f, 0.0, 0.3))
-        field = _smoothstep(gradient_value(east / 15e3, north / 15e3, self.seed + 912), 0.0, 0.3)
+        field = _smoothstep(noise_at(east / 15e3, north / 15e3, self.seed + 912), 0.0, 0.3)
         return 28.0 * shape * field * (1.0 - mountains)
 
     def _add_craters(self, height, east, north, spacing):

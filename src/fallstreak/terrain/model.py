@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..noise.gradient import gradient_noise
+from ..noise import patterns
 from ..world.errors import WorldError
 from . import spline
 from .continuation import FileLand
@@ -94,7 +94,7 @@ class TerrainModel:
             for power in range(first_octave(pyramid.spacing), FINEST_DRAWN - 1, -1):
                 scale = 2.0**power
                 part = roughness * np.clip(2.0 - 4.0 * step / scale, 0.0, 1.0)
-                value, dx, dy = gradient_noise(e / scale, n / scale, self.seed + SEED + power + 16)
+                value, dx, dy = patterns.slope(e / scale, n / scale, self.seed + SEED + power + 16)
                 out += part * np.stack([value * scale, dx, dy])
         return tuple(row.reshape(shape)[()] for row in out)
 
