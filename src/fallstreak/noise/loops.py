@@ -72,7 +72,11 @@ def run(static, fill, source, outputs, frequencies, amplitudes, words, periods, 
     cells, offsets = scratch(_CELLS), scratch(_CELLS)
     totals = scratch(_TOTALS)
     weights = scratch(FLOATS)
-    highest = frequencies.max() if len(frequencies) else 0.0
+    highest = (
+        0.0  # found by a loop: `frequencies.max()` would make who loads this import half of Numba, and SciPy
+    )
+    for octave in range(len(frequencies)):
+        highest = max(highest, frequencies[octave])
     for first in range(start, stop, TILE):
         count = min(TILE, stop - first)
         call_address(fill, points, source, first, count)

@@ -4,11 +4,15 @@ Numba numbers the files of a function's signatures and notes the numbers in an i
 compile two signatures at a time take the same number, and whoever reads the index afterwards may run the
 machine code of the other signature: not an error but wrong numbers. (Tests in parallel on a fresh machine
 did.) Here the name of a file is a hash of what it is for, and there is no index.
+
+Loading does without what Numba prepares for compiling: that imports half of Numba, and SciPy if it is
+there, and takes longer than everything else about the first call.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import glob
 import hashlib
 import os
@@ -16,6 +20,7 @@ from typing import Any
 
 import numba
 from numba.core.caching import IndexDataCacheFile
+from numba.core.runtime.nrt import rtsys
 
 from .static import digest
 
@@ -58,7 +63,16 @@ def keyed(dispatcher: Any) -> Any:
     """Let a compiled function with ``cache=True`` keep its machine code so; returns it."""
     cache = getattr(dispatcher, "_cache", None)
     files = getattr(cache, "_cache_file", None)
-    if isinstance(files, IndexDataCacheFile):
+    if cache is not None and isinstance(files, IndexDataCacheFile):
         base = files._index_name.removesuffix(".nbi")
         cache._cache_file = KeyedFiles(files._cache_path, base, files._source_stamp)
+        cache.load_overload = functools.partial(_load_overload, cache)
     return dispatcher
+
+
+def _load_overload(cache: Any, signature: Any, context: Any) -> Any:
+    """What `cache.load_overload` does, less the preparation for compiling, for which compiling itself
+    cares."""
+    rtsys.initialize(context)  # the symbols that machine code refers to
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(signature, context)

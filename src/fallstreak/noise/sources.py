@@ -18,9 +18,11 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import cfunc
-from numba.core import types
+from numba.core import sigutils, types
+from numba.core.ccallback import CFunc
 from numba.extending import intrinsic as _intrinsic
+
+from .machine_code import keyed
 
 TILE = 256
 
@@ -172,16 +174,20 @@ def _cube(points, source, first, count):
 @functools.cache
 def _address(function) -> int:
     """The address of a function, compiled when first wanted and cached on disk."""
-    signature = types.void(types.voidptr, types.int64, types.int64, types.int64)
-    return _compiled(function, signature).address
+    signature = sigutils.normalize_signature(types.void(types.voidptr, types.int64, types.int64, types.int64))
+    return _compiled(function, signature)
 
 
 _kept = []  # what is compiled lives as long as the addresses that are given away
 
 
-def _compiled(function, signature):
-    _kept.append(cfunc(signature, cache=True, error_model="numpy")(function))
-    return _kept[-1]
+def _compiled(function, signature) -> int:
+    # as the decorator `cfunc` does, except for how machine code is kept
+    callback = CFunc(function, signature, {}, {"error_model": "numpy"})
+    callback.enable_caching()
+    keyed(callback).compile()
+    _kept.append(callback)
+    return int(callback.address or 0)
 
 
 class Source:
