@@ -11,6 +11,8 @@ import sys
 from pathlib import Path
 from statistics import median
 
+import numpy as np
+
 from fallstreak.commands.bench import Result
 
 sys.path.insert(0, str(Path(__file__).parent))  # the files beside this one
@@ -175,12 +177,10 @@ print(json.dumps([imported - start, count, time.perf_counter() - imported]))
 
 
 def _gpu(report):
-    """Every kind on the adapter that Fallstreak would use."""
-    import numpy as np
-
+    """Every kind on the adapter that Fallstreak would use, and how far it is from the CPU."""
     from fallstreak import noise
     from fallstreak.gpu import Device, NoAdapterError
-    from fallstreak.noise.bake import Layer, sample, throughput
+    from fallstreak.noise.bake import Layer, curl, sample, throughput
 
     try:
         device = Device.open()
@@ -188,15 +188,19 @@ def _gpu(report):
         report.missing("noise: evaluations a second on the GPU", "1/s", str(error))
         return
     points = np.random.default_rng(3).uniform(-1e4, 1e4, (1 << 16, 3))
-    for kind in _kinds():
-        best = min(throughput(device, kind, octaves=OCTAVES, count=SIDE * SIDE))
-        how = f"{HOW}, {device.adapter}, best of 5, without transfers"
-        report.add(
-            f"noise: {kind} on the GPU", EVALUATIONS / best / 1e6, "million evaluations a second", how=how
+    for kind in (*_kinds(), "curl"):
+        flows = kind == "curl"
+        layer = Layer("perlin" if flows else kind, octaves=4, frequency=1.0, seed=SEED)
+        seconds = throughput(
+            device, layer.kind, octaves=OCTAVES, count=SIDE * SIDE, what="flow" if flows else "points"
         )
-        layer = Layer(kind, octaves=4, frequency=1.0, seed=SEED)
-        there = sample(device, points, layer)
-        here = noise.fbm(points, 4, kind=kind, seed=SEED)
+        speed, unit = EVALUATIONS / min(seconds) / 1e6, "million evaluations a second"
+        how = f"{HOW}, {device.adapter}, best of {len(seconds)}, without transfers"
+        report.add(f"noise: {kind} on the GPU", speed, unit, how=how)
+        if flows:
+            there, here = curl(device, points, layer), noise.curl(points, octaves=4, seed=SEED)
+        else:
+            there, here = sample(device, points, layer), noise.fbm(points, 4, kind=kind, seed=SEED)
         how = f"{len(points)} random points within 10 000 cells, 4 octaves, {device.adapter}"
         report.add(f"noise: {kind}, GPU from CPU", np.abs(there - here).max(), "at most", how=how)
 
