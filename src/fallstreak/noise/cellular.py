@@ -17,8 +17,9 @@ from numba.core import types
 
 from .hashing import SCRAMBLE
 from .kernels import kernel
-from .lanes import TRUTH, Lanes, as_float, fma, intrinsic, larger, root, shift_right, smaller
+from .lanes import as_float, fma, larger, root, shift_right, smaller
 from .lattice import axis_hash, inlined, neighbour, pair
+from .vectors import TRUTH, Lanes, intrinsic
 
 FIRST, SECOND = SCRAMBLE
 ONE = 0x3F800000  # the bits of 1.0, whose mantissa takes 23 bits of a number 0..1

@@ -21,8 +21,9 @@ from llvmlite import ir
 from numba.core.registry import cpu_target
 from numba.extending import overload
 
-from .lanes import FLOAT, I32, INT, Lanes, as_float, call, constant, features, intrinsic, select
+from .lanes import as_float, select
 from .static import StaticType, Table
+from .vectors import FLOAT, I32, INT, Lanes, call, constant, features, intrinsic
 
 LONG, SHORT = math.sqrt(2.0), 2.0 - math.sqrt(2.0)
 FOUR_SCALE = 2.0 / 3.0

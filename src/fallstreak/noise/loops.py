@@ -15,11 +15,12 @@ from numba.extending import overload
 
 from .fractal import accumulate
 from .kernels import evaluate
-from .lanes import (
-    as_int,
+from .lanes import as_int, larger
+from .lattice import inlined
+from .machine_code import keyed
+from .memory import (
     call_address,
     get_float,
-    larger,
     largest_float,
     load_floats,
     load_ints,
@@ -30,13 +31,11 @@ from .lanes import (
     shifted,
     splat,
     store,
-    whole_registers,
     width_of,
 )
-from .lattice import inlined
-from .machine_code import keyed
 from .place import EXCESS, REACH, REACH_SHEARED, SHEARED, lengths_of, locate, scale_of, short_scale_of
 from .sources import TILE
+from .vectors import whole_registers
 
 FLOATS = 4 * TILE  # bytes of a tile of floats
 # sizes of the buffers for up to four axes, as plain names, which Numba takes for literal numbers

@@ -11,9 +11,9 @@ from numba.core import cgutils
 from numba.core.registry import cpu_target
 
 from .hashing import axis_words
-from .lanes import FLOAT, I32, INT, Lanes, call, constant, features, intrinsic
 from .lattice import inlined, neighbour
 from .static import StaticType, Table
+from .vectors import FLOAT, I32, INT, Lanes, call, constant, features, intrinsic
 
 # fmt: off
 PERLINS = (

@@ -19,27 +19,11 @@ import numpy as np
 from numba.core.registry import cpu_target
 from numba.extending import overload
 
-from .lanes import (
-    I32,
-    Lanes,
-    as_int,
-    call,
-    constant,
-    features,
-    floor,
-    fma,
-    intrinsic,
-    load_doubles,
-    load_floats,
-    low_bits,
-    narrow,
-    rounded,
-    select,
-    splat,
-    splat_double,
-)
+from .lanes import as_int, floor, fma, low_bits, narrow, select
 from .lattice import inlined
+from .memory import load_doubles, load_floats, rounded, splat, splat_double
 from .sources import TILE
+from .vectors import I32, Lanes, call, constant, features, intrinsic
 
 MAGIC = 12582912.0  # 1.5 * 2^23
 EXCESS = 0x4B400000  # its bits

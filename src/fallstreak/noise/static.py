@@ -41,7 +41,7 @@ class Static:
 @dataclass(frozen=True)
 class Table:
     """Constant numbers (floats, or integers as `integer` says) that lanes look up by index: see
-    `lanes.lookup`."""
+    `gradients.lookup`."""
 
     values: tuple
     integer: bool = False

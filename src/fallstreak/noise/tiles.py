@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from . import hashing, lanes, loops, sources
+from . import hashing, loops, sources, vectors
 from .static import Static
 
 CHUNK = 4096  # points: about a tenth of a millisecond for ten octaves
@@ -113,7 +113,7 @@ def _in_chunks(work, count: int, octaves: int, threads: int) -> bool:
 
 @functools.cache
 def _width() -> int:
-    return lanes.host_width()
+    return vectors.host_width()
 
 
 @functools.cache

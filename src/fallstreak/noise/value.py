@@ -11,8 +11,9 @@ from __future__ import annotations
 from llvmlite import ir
 
 from .kernels import kernel
-from .lanes import I32, INT, Lanes, constant, fma, intrinsic, to_float
+from .lanes import fma, to_float
 from .lattice import HIGH_AND_ODD, MULTIPLY, fade, inlined, neighbour
+from .vectors import I32, INT, Lanes, constant, intrinsic
 
 SCALE = 2.0**-31  # of a signed 16-bit number in the upper half
 HIGH = -0x10000  # the upper half
