@@ -1,7 +1,4 @@
-"""What is made from several noises: curls, which have no sources, and sums of octaves at displaced points.
-
-Both work in blocks of points that stay in the second-level cache.
-"""
+"""What is made from several noises: curls, which have no sources, and sums of octaves at displaced points."""
 
 from __future__ import annotations
 
@@ -12,7 +9,7 @@ import numpy as np
 
 from .tiles import launch, octaves_of
 
-BLOCK = 1 << 16
+BLOCK = 1 << 16  # points whose displacements stay in the cache
 APART = 256  # octaves between the seeds of the parts, more than a sum can have
 
 
@@ -29,20 +26,11 @@ def curl(axes: Sequence[np.ndarray], out: np.ndarray, *, threads: int = 1, **ser
     **series
         As for `tiles.fbm`.
     """
-    count = len(axes)
-    parts = [octaves_of(**series, offset=APART * k) for k in range(1 if count == 2 else 3)]
-    for block in _blocks(len(out)):
-        here, flow = [axis[block] for axis in axes], out[block]
-        slopes = np.empty((len(parts), 1 + count, len(flow)), np.float32)
-        for part, outputs in zip(parts, slopes, strict=True):
-            launch(here, list(outputs), part, kind="perlin", derivatives=True, threads=threads)
-        if count == 2:
-            flow[:, 0] = slopes[0, 2]
-            np.negative(slopes[0, 1], out=flow[:, 1])
-        else:
-            for axis in range(3):
-                after, last = (axis + 1) % 3, (axis + 2) % 3
-                np.subtract(slopes[last, 1 + after], slopes[after, 1 + last], out=flow[:, axis])
+    parts = [octaves_of(**series, offset=APART * k) for k in range(1 if len(axes) == 2 else 3)]
+    frequencies, amplitudes, _, periods = parts[0]
+    octaves = frequencies, amplitudes, np.concatenate([part[2] for part in parts], 1), periods
+    potential = np.empty(len(out), np.float32)
+    launch(axes, [potential, *out.T], octaves, kind="curl", derivatives=True, threads=threads)
 
 
 def warp(
@@ -59,14 +47,10 @@ def warp(
         What a displacement of 1 is worth in the units of the points.
     """
     parts = [octaves_of(**series, offset=APART * k) for k in range(len(axes) + 1)]
-    for block in _blocks(len(out)):
-        here, value = [axis[block] for axis in axes], out[block]
+    for start in range(0, len(out), BLOCK):
+        here, value = [axis[start : start + BLOCK] for axis in axes], out[start : start + BLOCK]
         moved = []
         for axis, part in zip(here, parts[1:], strict=True):
             launch(here, [value], part, kind=kind, threads=threads)
             moved.append(axis + value * axis.dtype.type(amount))
         launch(moved, [value], parts[0], kind=kind, threads=threads)
-
-
-def _blocks(count: int):
-    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))

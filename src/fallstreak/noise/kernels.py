@@ -22,6 +22,7 @@ MODULES = {
     "cellular_f2f1": "cellular",
     "improved": "improved",
     "table": "table",
+    "curl": "flow",
 }
 
 _REGISTER: dict[tuple[str, int, bool], Callable] = {}

@@ -291,11 +291,18 @@ def words_of(static, words) -> Any:
 
 @overload(words_of, jit_options={"forceinline": True})
 def _words_of(static, words):
-    return lambda static, words: (
-        splat(static, words[0]),
-        splat(static, words[1]),
-        splat(static, words[2]),
-        splat(static, words[3]),
+    if static.value.kind == "curl" and static.value.dimensions == 3:  # of three noises
+        return lambda static, words: four(static, words, 0) + four(static, words, 4) + four(static, words, 8)
+    return lambda static, words: four(static, words, 0)
+
+
+@inlined
+def four(static, words, first):
+    return (
+        splat(static, words[first]),
+        splat(static, words[first + 1]),
+        splat(static, words[first + 2]),
+        splat(static, words[first + 3]),
     )
 
 
