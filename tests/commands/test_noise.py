@@ -73,6 +73,15 @@ def test_warped_smooth_and_far_away(draw):
     assert draw("-o", "a.png", *SMALL, *words)[0] == 0
 
 
+def test_the_gpu_draws_the_same(draw, device):
+    words = (*SMALL, "--octaves", "4", "--seed", "3", "--range=-1,1")
+    assert draw("-o", "a.png", *words)[0] == 0
+    status, out, _ = draw("-o", "b.png", *words, "--gpu")
+    assert status == 0 and f"on {device.adapter.name}" in out
+    cpu, gpu = (np.asarray(Image.open(name)).astype(int) for name in ("a.png", "b.png"))
+    assert np.abs(cpu - gpu).max() <= 1
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -13,6 +13,8 @@ from fallstreak.noise.arguments import LARGEST_PERIOD, fades_of
 from fallstreak.noise.kinds import FRACTALS, KINDS
 
 EACH = [(name, d) for name, kind in KINDS.items() for d in kind.dimensions]
+# What compiles another loop each; float64 finds cells in the same way in all dimensions.
+EACH_PRECISION = [(name, d, np.float32) for name, d in EACH] + [(name, 3, np.float64) for name in KINDS]
 
 
 def points(*shape, dimensions=3, dtype=np.float32, seed=0):
@@ -78,8 +80,7 @@ def test_mixed_precisions_become_the_finer_one():
     assert np.array_equal(mixed, fine)
 
 
-@pytest.mark.parametrize(("kind", "dimensions"), EACH)
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize(("kind", "dimensions", "dtype"), EACH_PRECISION)
 @pytest.mark.parametrize("threads", [1, None])
 def test_nan_and_infinity_give_nan_and_touch_nothing_else(kind, dimensions, dtype, threads):
     p = points(600, dimensions=dimensions, dtype=dtype)
@@ -94,8 +95,7 @@ def test_nan_and_infinity_give_nan_and_touch_nothing_else(kind, dimensions, dtyp
     assert np.abs(value[~bad] - expected[~bad]).max() <= (1e-5 if kind == "simplex" else 0)
 
 
-@pytest.mark.parametrize(("kind", "dimensions"), EACH)
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize(("kind", "dimensions", "dtype"), EACH_PRECISION)
 def test_absurdly_far_away_nothing_crashes(kind, dimensions, dtype):
     for far in (1e6, 2.0**31, -(2.0**31), 2.0**40, -1e18, 3e38):
         value = noise.fbm(np.full((33, dimensions), far, dtype), 4, kind=kind)
