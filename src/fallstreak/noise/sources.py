@@ -104,67 +104,82 @@ def _doubles(points, source, first, count):
 
 
 def _grid_of_floats(points, source, first, count):
-    inner = 1
+    inner = 1  # how many points have the same coordinate in a row
     for axis in range(_int_at(source)):
         size, table = _int_at(source + 8 + 16 * axis), _int_at(source + 16 + 16 * axis)
-        at, left = first // inner % size, inner - first % inner
-        for i in range(count):
-            _put(points, axis * TILE + i, _float_at(table + 4 * at))
-            left -= 1
-            if left == 0:
-                left, at = inner, at + 1
-                if at == size:
-                    at = 0
+        place, at, i = axis * TILE, first // inner % size, 0
+        if axis == 0:
+            while i < count:
+                run = min(size - at, count - i)
+                for k in range(run):
+                    _put(points, place + i + k, _float_at(table + 4 * (at + k)))
+                i, at = i + run, 0
+        else:
+            run = min(inner - first % inner, count)
+            while i < count:
+                value = _float_at(table + 4 * at)
+                for k in range(run):
+                    _put(points, place + i + k, value)
+                i, at = i + run, at + 1 if at + 1 < size else 0
+                run = min(inner, count - i)
         for i in range(count, TILE):
-            _put(points, axis * TILE + i, np.float32(0.0))
+            _put(points, place + i, np.float32(0.0))
         inner *= size
 
 
 def _grid_of_doubles(points, source, first, count):
-    inner = 1
+    inner = 1  # how many points have the same coordinate in a row
     for axis in range(_int_at(source)):
         size, table = _int_at(source + 8 + 16 * axis), _int_at(source + 16 + 16 * axis)
-        at, left = first // inner % size, inner - first % inner
-        for i in range(count):
-            _put(points, axis * TILE + i, _double_at(table + 8 * at))
-            left -= 1
-            if left == 0:
-                left, at = inner, at + 1
-                if at == size:
-                    at = 0
+        place, at, i = axis * TILE, first // inner % size, 0
+        if axis == 0:
+            while i < count:
+                run = min(size - at, count - i)
+                for k in range(run):
+                    _put(points, place + i + k, _double_at(table + 8 * (at + k)))
+                i, at = i + run, 0
+        else:
+            run = min(inner - first % inner, count)
+            while i < count:
+                value = _double_at(table + 8 * at)
+                for k in range(run):
+                    _put(points, place + i + k, value)
+                i, at = i + run, at + 1 if at + 1 < size else 0
+                run = min(inner, count - i)
         for i in range(count, TILE):
-            _put(points, axis * TILE + i, 0.0)
+            _put(points, place + i, 0.0)
         inner *= size
 
 
-# -- the faces of a cube: source = texels along an edge, radius
-# -------------------------------------------------
+# -- the faces of a cube: source = texels along an edge, radius -----------------------------------------------
+
+# how u (which runs right), v (down) and 1 make x, y and z of a face: the table of WebGPU's specification
+_FACES = (
+    ((0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (-1.0, 0.0, 0.0)),
+    ((0.0, 0.0, -1.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0)),
+    ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, -1.0, 0.0)),
+    ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
+    ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)),
+)
 
 
 def _cube(points, source, first, count):
     size, radius = _int_at(source), _double_at(source + 8)
     step = 2.0 / size
-    for i in range(count):
+    i = 0
+    while i < count:
         face, row, column = (first + i) // (size * size), (first + i) // size % size, (first + i) % size
-        u, v = (column + 0.5) * step - 1.0, (row + 0.5) * step - 1.0
-        length = radius / math.sqrt(u * u + v * v + 1.0)
-        u, v, w = u * length, v * length, length
-        # u runs right and v down, as in the WebGPU specification's table of faces
-        if face == 0:
-            x, y, z = w, -v, -u
-        elif face == 1:
-            x, y, z = -w, -v, u
-        elif face == 2:
-            x, y, z = u, w, v
-        elif face == 3:
-            x, y, z = u, -w, -v
-        elif face == 4:
-            x, y, z = u, -v, w
-        else:
-            x, y, z = -u, -v, -w
-        _put(points, i, x)
-        _put(points, TILE + i, y)
-        _put(points, 2 * TILE + i, z)
+        (xu, xv, xw), (yu, yv, yw), (zu, zv, zw) = _FACES[face]
+        v = (row + 0.5) * step - 1.0
+        run = min(size - column, count - i)
+        for k in range(run):
+            u = (column + k + 0.5) * step - 1.0
+            length = radius / math.sqrt(u * u + v * v + 1.0)
+            _put(points, i + k, (xu * u + xv * v + xw) * length)
+            _put(points, TILE + i + k, (yu * u + yv * v + yw) * length)
+            _put(points, 2 * TILE + i + k, (zu * u + zv * v + zw) * length)
+        i += run
     for i in range(count, TILE):
         _put(points, i, 0.0)
         _put(points, TILE + i, 0.0)

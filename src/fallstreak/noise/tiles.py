@@ -54,11 +54,18 @@ def octaves_of(
     if fades is not None:
         amplitudes *= fades
     kept = int(np.flatnonzero(amplitudes).max(initial=-1)) + 1
-    words = np.array([hashing.axis_words(seed, i + offset) for i in range(kept)], np.int64).reshape(kept, 4)
+    words = _words(seed, offset, kept)
     periods = np.zeros((kept, 4))
     if period is not None:
         periods[:, : len(period)] = np.multiply.outer(float(lacunarity) ** index[:kept], period)
     return frequencies[:kept], amplitudes[:kept], words, periods
+
+
+@functools.lru_cache(maxsize=256)
+def _words(seed: int, first: int, octaves: int) -> np.ndarray:
+    """The words of some octaves, kept: plain Python takes longer for them than the loops for a tile."""
+    words = [hashing.axis_words(seed, first + i) for i in range(octaves)]
+    return np.array(words, np.int64).reshape(octaves, 4)
 
 
 def launch(
@@ -76,6 +83,7 @@ def launch(
     periodic = bool(octaves[3].any())
     if periodic:  # whose cells wrap in float64
         source = source.doubled()
+        kind = "simplex_periodic" if kind == "simplex" else kind
     places = np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in outputs], np.int64)
 
     def run(source: sources.Source) -> bool:
