@@ -54,7 +54,7 @@ def test_the_measures_name_what_the_journals_table_lost():
 @pytest.mark.parametrize("kind", HASHED)
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_seeds_are_independent(kind, dimensions):
-    points = quality.places(2**19 if dimensions == 3 else 2**20, dimensions)
+    points = quality.places(2**19, dimensions)
     noises = [octave(kind, seed) for seed in range(64)]
     assert quality.correlation_of_seeds(noises, points) <= 0.01
 
@@ -68,7 +68,7 @@ def test_seeds_are_independent_in_four_dimensions(kind):
 @pytest.mark.parametrize("kind", HASHED)
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_nothing_comes_again_at_powers_of_two(kind, dimensions):
-    points = quality.places(2**20, dimensions)
+    points = quality.places(2**19, dimensions)
     found = quality.correlation_at_lags(octave(kind), LAGS, points)
     assert max(found.values()) <= 0.01, found
 
