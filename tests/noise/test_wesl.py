@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fallstreak import noise
+from fallstreak.gpu.wesl import link, package_resolver
 from fallstreak.noise import bake as gpu
 from fallstreak.noise import hashing
 from fallstreak.noise.bake import Layer
@@ -17,9 +20,10 @@ from fallstreak.noise.kinds import FRACTALS, KINDS
 from . import reference
 
 CASES = [(kind.name, d) for kind in KINDS.values() for d in kind.dimensions]
-PERIODIC = [(name, d) for name, d in CASES if KINDS[name].periodic]
+PERIODIC = [(name, d) for name, d in CASES if d in KINDS[name].periodic]
 GRADIENTS = [(name, d) for name, d in CASES if KINDS[name].gradient]
 TOLERANCE = 1e-5
+ROOM = Path(noise.__file__).parent
 
 
 def scattered(count, dimensions, reach=50.0, seed=0):
@@ -38,7 +42,7 @@ def test_every_kind_validates_as_hardware_gets_it(device, kind):
     entries = {2: ["points2", "plane"], 3: ["points3", "volume", "cube"], 4: ["points4"]}
     for dimensions in KINDS[kind].dimensions:
         names = list(entries[dimensions])
-        if KINDS[kind].periodic:
+        if dimensions in KINDS[kind].periodic:
             names += [f"tiled_{name}" for name in names if name != "cube"]
         for name, warped in itertools.product(names, (False, True)):
             choice = constants(kind, WARPED=warped, CLAMPED=warped, SHAPE=4 * warped, BLEND=5 * warped)
@@ -54,6 +58,37 @@ def test_derivatives_and_curls_validate(device, kind):
             "package::noise::derivatives", [name], constants=constants(kind), structs=[LAYER]
         )
         device.native.create_shader_module(label=name, code=linked.code)
+
+
+MODULES = sorted(path.stem for path in ROOM.glob("*.wesl") if "@compute" not in path.read_text())
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_function_of_a_library_validates(device, module):
+    """Each is called with zeros: what no pass uses yet must not be broken when somebody wants it."""
+    calls = []
+    for name, parameters in re.findall(
+        r"^fn (\w+)\(([^)]*)\) ->", (ROOM / f"{module}.wesl").read_text(), re.M
+    ):
+        types = re.findall(r": (vec\d<bool>|\w+)", parameters)
+        calls.append(f"_ = {module}::{name}({', '.join(zero(t) for t in types)});")
+    assert calls
+    text = f"import package::noise::{module};\n@compute @workgroup_size(1) fn main() {{ {' '.join(calls)} }}"
+    find = package_resolver()
+    linked = link(
+        "package::probe",
+        resolve=lambda path: (text, "probe.wesl") if path == ("probe",) else find(path),
+        virtual={"constants": constants("perlin")},
+    )
+    device.native.create_shader_module(label=module, code=linked.code)
+
+
+def zero(kind):
+    """The zero of a type; that of a struct by the path of the module that declares it."""
+    for path in ROOM.glob("*.wesl"):
+        if f"struct {kind} {{" in path.read_text():
+            return f"package::noise::{path.stem}::{kind}()"
+    return f"{kind}()"
 
 
 @pytest.mark.parametrize(("kind", "dimensions"), CASES)
@@ -76,6 +111,8 @@ def test_values_are_those_of_the_cpu(device, kind, dimensions):
 def test_repeating_values_are_those_of_the_reference(device, kind, dimensions):
     points = scattered(2000, dimensions)
     for period in (1, 2, tuple(range(3, 3 + dimensions))):
+        if (kind, dimensions, period) == ("simplex", 2, 1):
+            continue  # must be even along y
         got = gpu.sample(device, points, Layer(kind, frequency=1, octaves=2), period=period)
         np.testing.assert_allclose(got, reference.fbm(points, 2, kind, period=period), atol=TOLERANCE)
 
