@@ -299,7 +299,7 @@ def gradient(device: Device, points: np.ndarray, layer: Layer) -> tuple[np.ndarr
     dimensions = np.shape(points)[-1]
     kind_of(layer.kind, dimensions, gradient=True)
     found = _at_points(device, points, layer, None, None, "slopes", dimensions + 1)
-    return found[0], found[1:].T * np.float32(layer.frequency)
+    return found[0], found[1:].T * np.float32(_single(layer))
 
 
 def curl(
@@ -313,7 +313,13 @@ def curl(
         Per unit of the points.
     """
     dimensions = np.shape(points)[-1]
-    return _at_points(device, points, layer, period, None, "flow", dimensions).T * np.float32(layer.frequency)
+    found = _at_points(device, points, layer, period, None, "flow", dimensions)
+    return found.T * np.float32(_single(layer))
+
+
+def _single(layer: Layer) -> float:
+    """The frequency of a layer, which must be the same along all axes."""
+    return real("frequency", layer.frequency, 1e-6, 65536)
 
 
 def _at_points(
@@ -331,7 +337,7 @@ def _at_points(
     dimensions = points.shape[-1]
     check(layer, dimensions)
     periods = period_of(period, layer.kind, dimensions, layer.octaves, float(layer.lacunarity))
-    frequency = real("frequency", layer.frequency, 1e-6, 65536)
+    frequency = _single(layer)
     detail = None if spacing is None else -math.log2(frequency * spacing)
     baker = Baker.of(device)
     return baker.sample(points * frequency, layer, periods, detail, what=what, components=components)
