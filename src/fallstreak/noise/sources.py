@@ -151,7 +151,7 @@ def _grid_of_doubles(points, source, first, count):
         inner *= size
 
 
-# -- the faces of a cube: source = texels along an edge, radius -----------------------------------------------
+# -- the faces of a cube: source = texels along an edge, radius ---------------------------------------------
 
 # how u (which runs right), v (down) and 1 make x, y and z of a face: the table of WebGPU's specification
 _FACES = (
