@@ -1,5 +1,8 @@
 """The driver: sources of points, threads, the change to float64 far away."""
 
+import os
+import signal
+
 import numpy as np
 import pytest
 
@@ -25,6 +28,19 @@ def test_tiles_that_are_not_full(count):
 def test_threads_give_the_same_and_each_point_once():
     axes = list(np.random.default_rng(0).uniform(-9, 9, (3, 50_001)).astype(np.float32))
     np.testing.assert_array_equal(_fbm(axes, 50_001, threads=7), _fbm(axes, 50_001))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
+def test_a_forked_process_has_threads_of_its_own():
+    axes = list(np.random.default_rng(0).uniform(-9, 9, (3, 50_000)).astype(np.float32))
+    _fbm(axes, 50_000, threads=4)
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # rather than wait for ever for threads that are not there
+        _fbm(axes, 50_000, threads=4)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_far_away_float32_points_are_placed_in_float64():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import platform
+
 from llvmlite import ir
 from numba.core import types
 from numba.core.typing.templates import signature
@@ -44,8 +46,7 @@ def fma(typingctx, a, b, c):
 
 
 def _has_fma(context) -> bool:
-    have = features(context)
-    return bool(have & {"fma", "avx512f", "neon"}) or "aarch64" in str(context.codegen()._data_layout)
+    return bool(features(context) & {"fma", "avx512f"}) or platform.machine().lower() in ("aarch64", "arm64")
 
 
 def _unary(name: str, doc: str):
