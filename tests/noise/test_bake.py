@@ -112,6 +112,21 @@ def test_formats(device, fmt):
     assert got.ndim == 2 or not got[..., 1:].any()
 
 
+def test_any_number_of_points(device, monkeypatch):
+    points = np.random.default_rng(0).uniform(-9, 9, (1000, 3))
+    want = sample(device, points, CELLS)
+    monkeypatch.setattr("fallstreak.noise.baker._PART", 300)
+    np.testing.assert_array_equal(sample(device, points, CELLS), want)
+    assert sample(device, points[:0], CELLS).shape == (0,)
+
+
+@pytest.mark.parametrize("kind", ["perlin", "simplex", "value", "cellular_f2", "improved", "table"])
+def test_what_is_no_place_has_no_value(device, kind):
+    points = np.array([[0.5, np.nan, 0.5], [np.inf, 0.5, 0.5], [0.5, 0.25, 0.5]])
+    got = sample(device, points, Layer(kind, frequency=1))
+    np.testing.assert_array_equal(np.isnan(got), [True, True, False])
+
+
 def test_parts_make_the_same_whole(device, monkeypatch):
     specs = [
         BakeSpec(10, CELLS, "r16float"),
@@ -150,7 +165,7 @@ def test_a_pass_bakes_once_and_keeps(device):
     ("make", "words"),
     [
         (lambda: BakeSpec((8, 8), Layer("perlyn")), "kind='perlyn'.*perlin"),
-        (lambda: BakeSpec((8, 8, 8), Layer("simplex"), tiling=True), "period.*simplex"),
+        (lambda: BakeSpec((8, 8), Layer("simplex", frequency=3), tiling=True), "period.*simplex.*even"),
         (lambda: BakeSpec((8, 8), Layer(frequency=2.5), tiling=True), r"frequency=2.5.*2.5 x 2.5 cells"),
         (lambda: BakeSpec((8, 8), Layer(lacunarity=2.5, octaves=2), tiling=True), "lacunarity=2.5"),
         (lambda: BakeSpec((8, 8), Layer(fractal="foam")), "fractal='foam'"),

@@ -5,7 +5,7 @@ laid over each other. `bake` makes it at once, `bake_pass` in the first frame of
 the values at a list of points. The shaders are the twins of the CPU's: the same integers, the same values to
 rounding.
 
-Cost: per sample and octave as docs/noise.md measures it; memory besides the texture is at most 40 MB, since
+Cost: per sample and octave as docs/noise.md measures it; memory besides the texture is at most 50 MB, since
 large volumes are made in parts, each of its own dispatch.
 
 Limits: 2-D, 3-D and cubes; lacunarities other than whole ones are exact up to 2^19 cells from the origin.
@@ -283,6 +283,7 @@ def sample(
     Returns
     -------
     (count,) float32 array
+        NaN where a coordinate is not finite.
     """
     return _at_points(device, points, layer, period, spacing)[0]
 

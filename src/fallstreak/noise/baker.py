@@ -16,7 +16,7 @@ from ..gpu.readback import Readback
 from .bake import BLENDS, BakeSpec, Layer
 
 FRACTALS = ("fbm", "ridged", "billow", "turbulence", "hybrid")  # as numbered in fractal.wesl
-_PART = 1 << 20  # texels made by one dispatch
+_PART = 1 << 20  # texels or points made by one dispatch
 _ALL = 1e6  # a detail that keeps all octaves
 _COPY_SRC, _COPY_DST, _UNIFORM, _STORAGE = 0x0004, 0x0008, 0x0040, 0x0080
 
@@ -113,12 +113,18 @@ class Baker:
 
         `what` is "points", "slopes" or "flow".
         """
+        known = np.isfinite(cells).all(-1)
+        cells = np.where(known[:, None], cells, 0.0)  # shaders need not know what is no number
+        found = [np.empty((components, 0), np.float32)]
         with translated("sampling noise"):
-            run, values = self._prepare(cells, layer, period, detail, what, components)
-            self._run(run)
-            size = 4 * components * len(cells)
-            found = self._readback.now(self._readback.buffer(values, size, np.float32)).result()
-        return found.reshape(components, -1)
+            for start in range(0, len(cells), _PART):
+                some = cells[start : start + _PART]
+                run, values = self._prepare(some, layer, period, detail, what, components)
+                self._run(run)
+                size = 4 * components * len(some)
+                read = self._readback.now(self._readback.buffer(values, size, np.float32))
+                found.append(read.result().reshape(components, -1))
+        return np.where(known, np.concatenate(found, 1), np.float32(np.nan))
 
     def time(self, points: np.ndarray, layer: Layer, rounds: int, what: str, components: int) -> list[float]:
         """Seconds for `sample`, without the transfer of points and values."""
