@@ -59,6 +59,18 @@ def test_seeds_are_independent(kind, dimensions):
     assert quality.correlation_of_seeds(noises, points) <= 0.01
 
 
+def test_a_hash_of_one_round_would_be_found(monkeypatch):
+    """As many libraries have it: coordinates times primes and a seed, exclusive or, one multiplication."""
+
+    def one_round(index, seed):
+        mixed = (index * np.array([0x9E3779B1, 0x85EBCA77])).sum(-1) ^ seed
+        return ((mixed * 0x846CA68B) & reference.MASK) / 2.0**31 - 1.0
+
+    monkeypatch.setattr(reference, "hash_value", one_round)
+    noises = [lambda points, seed=seed: reference.value(points, seed) for seed in range(8)]
+    assert quality.correlation_of_seeds(noises, quality.places(2**16, 2)) > 0.1
+
+
 @pytest.mark.parametrize("kind", ["perlin", "simplex"])
 def test_seeds_are_independent_in_four_dimensions(kind):
     points = quality.places(2**19, 4)
