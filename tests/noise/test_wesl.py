@@ -158,7 +158,7 @@ def test_far_from_the_origin_nothing_is_lost(device, kind, dimensions):
 def test_far_from_the_origin_it_repeats_as_well(device, kind, dimensions):
     for place in (-3e8, 1e7, 2e9):
         points = place + np.random.default_rng(3).integers(0, 65536, (500, dimensions)) / 1024
-        for period in (1, 7, 1000, 2**31 - 1):
+        for period in (2, 14, 1000, 2**31 - 2):
             got = gpu.sample(device, points, Layer(kind, frequency=1), period=period)
             np.testing.assert_allclose(got, reference.sample(points, kind, period=period), atol=TOLERANCE)
 

@@ -113,8 +113,8 @@ class Baker:
 
         `what` is "points", "slopes" or "flow".
         """
-        known = np.isfinite(cells).all(-1)
-        cells = np.where(known[:, None], cells, 0.0)  # shaders need not know what is no number
+        known = np.all(np.isfinite(cells), axis=-1)
+        cells = np.where(np.expand_dims(known, -1), cells, 0.0)  # shaders need not know what is no number
         found = [np.empty((components, 0), np.float32)]
         with translated("sampling noise"):
             for start in range(0, len(cells), _PART):
