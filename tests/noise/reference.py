@@ -209,7 +209,8 @@ SIMPLEX_SCALES = {2: 65.35, 3: 76.88, 4: 62.77 * 1.5}  # make 1 the largest valu
 
 def simplex(points, words, period=None):
     """Every corner of the simplex that holds the point, with a kernel that ends at its far side."""
-    assert period is None
+    if period is not None:
+        return periodic_simplex(points, words, period)
     points = np.asarray(points, np.float64)
     dimensions = points.shape[-1]
     root = np.sqrt(dimensions + 1)
@@ -227,6 +228,31 @@ def simplex(points, words, period=None):
         kernel = np.maximum(0.5 - (way**2).sum(-1), 0) ** 4
         total += kernel * (gradient(at(corner), words) * way).sum(-1)
     return total * SIMPLEX_SCALES[dimensions]
+
+
+def periodic_simplex(points, words, period):
+    """Every point of a repeating lattice (Gustavson, McEwan 2022) that is near, simplices or not.
+
+    2-D: rows of whole numbers, odd ones moved by a half, hashed by the cell they lie in and the row. 3-D: all
+    whole numbers, and all of them moved by (1/2, 1/2, 1/2), hashed by twice their coordinates.
+    """
+    fraction, _ = lattice(points, None)
+    cell = np.floor(points).astype(np.int64)
+    dimensions = fraction.shape[-1]
+    flat = dimensions == 2
+    total = np.zeros(fraction.shape[:-1])
+    for half in product(range(-2, 5), repeat=dimensions):  # twice the way from the cell
+        if half[1] % 2 if flat else len({h % 2 for h in half}) > 1:
+            continue
+        way = fraction - np.array(half) / 2
+        place = 2 * cell + half
+        if flat:
+            index, there = place // 2 % period, (place[..., 0] - place[..., 1] // 2) % 2 == 0
+        else:
+            index, there = place % (2 * period), True
+        kernel = np.maximum((0.8 if flat else 0.5) - (way**2).sum(-1), 0) ** 4
+        total += there * kernel * (gradient(index, words) * way).sum(-1)
+    return total * (7.555 if flat else SIMPLEX_SCALES[3])
 
 
 # -- value and cellular -------------------------------------------------------------------------------------

@@ -136,10 +136,10 @@ def test_frequency_scales_the_points():
     assert np.abs(noise.fbm(p, 4, frequency=2.0) - noise.fbm(2.0 * p, 4)).max() < 1e-6
 
 
-@pytest.mark.parametrize(("kind", "dimensions"), [(k, d) for k, d in EACH if KINDS[k].periodic])
+@pytest.mark.parametrize(("kind", "dimensions"), [(k, d) for k, d in EACH if d in KINDS[k].periodic])
 def test_a_period_repeats_exactly(kind, dimensions):
     p = np.random.default_rng(1).integers(0, 512, (2000, dimensions)) / 64.0  # exact in float32
-    period = (3, 5, 1, 2)[:dimensions]
+    period = (3, 2, 1, 5)[:dimensions]
     value = noise.fbm(p, 4, kind=kind, period=period, seed=5)
     for axis in range(dimensions):
         for turns in (1, -2, 64):

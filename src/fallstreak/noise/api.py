@@ -47,7 +47,8 @@ def sample(
     frequency : float
         Cells per unit of the points.
     period : int or D ints, optional
-        The noise repeats exactly after so many cells.
+        The noise repeats exactly after so many cells. That of simplex noise must be even along y in 2-D, and
+        it has none in 4-D.
     threads : int, optional
         1 is this thread; None is as many as there are cores. The result does not depend on it.
     out : float32 array of shape (...), optional

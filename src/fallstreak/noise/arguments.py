@@ -96,10 +96,11 @@ def period_of(
     """The period of the first octave along each axis, in cells."""
     if value is None:
         return None
-    if not KINDS[kind].periodic:
-        can = [name for name, each in KINDS.items() if each.periodic]
+    if dimensions not in KINDS[kind].periodic:
+        can = [name for name, each in KINDS.items() if dimensions in each.periodic]
         raise ValueError(
-            f"period={_shown(value)} is not allowed with kind={kind!r}: only {_list(can, 'and')} repeat"
+            f"period={_shown(value)} is not allowed with kind={kind!r} in {dimensions} dimensions: "
+            f"there only {_list(can, 'and')} repeat{'s' * (len(can) == 1)}"
         )
     single = isinstance(value, (int, np.integer))
     values = (value,) * dimensions if single else _sequence(value)
@@ -109,6 +110,11 @@ def period_of(
             "one for each axis"
         )
     periods = tuple(integer("period", v, 1, LARGEST_PERIOD) for v in values)
+    if kind == "simplex" and dimensions == 2 and periods[1] % 2:
+        raise ValueError(
+            f"period={_shown(value)} is not allowed with kind='simplex' in 2 dimensions: along y it must be "
+            "even, since every other row of the lattice lies half a cell aside"
+        )
     if octaves > 1 and not lacunarity.is_integer():
         raise ValueError(
             f"lacunarity={lacunarity:g} is not allowed with a period: it must be an integer, "

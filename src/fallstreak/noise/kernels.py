@@ -23,6 +23,7 @@ MODULES = {
     "improved": "improved",
     "table": "table",
     "curl": "flow",
+    "simplex_periodic": "simplex_periodic",
 }
 
 _REGISTER: dict[tuple[str, int, bool], Callable] = {}

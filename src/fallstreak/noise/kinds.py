@@ -17,7 +17,7 @@ class Kind:
     low: float
     high: float
     gradient: bool  # has analytic derivatives
-    periodic: bool  # can be made to repeat
+    periodic: tuple[int, ...]  # the dimensions in which it can be made to repeat
     about: str
 
 
@@ -36,14 +36,14 @@ def _table(*rows):
 
 
 KINDS: dict[str, Kind] = _table(
-    Kind("perlin", (2, 3, 4), -1.0, 1.0, True, True, "gradients from a hash of the lattice: the one to take"),
-    Kind("simplex", (2, 3, 4), -1.0, 1.0, True, False, "gradients on simplices: the same in all directions"),
-    Kind("value", (2, 3), -1.0, 1.0, False, True, "a random number at every lattice point: cheap, blotchy"),
-    Kind("cellular_f1", (2, 3), 0.0, 1.0, False, True, "distance to the nearest scattered point: cells"),
-    Kind("cellular_f2", (2, 3), 0.0, 1.5, False, True, "distance to the second nearest: facets"),
-    Kind("cellular_f2f1", (2, 3), 0.0, 1.0, False, True, "their difference: 0 on the walls between cells"),
-    Kind("improved", (2, 3), -1.0, 1.0, False, True, "Ken Perlin's of 2002, bit for bit his permutation"),
-    Kind("table", (2, 3), -0.7, 0.7, False, True, "the Infinity journal's: a table of values, no gradients"),
+    Kind("perlin", (2, 3, 4), -1.0, 1.0, True, (2, 3, 4), "gradients from a hash of the lattice: take this"),
+    Kind("simplex", (2, 3, 4), -1.0, 1.0, True, (2, 3), "gradients on simplices: the same in all directions"),
+    Kind("value", (2, 3), -1.0, 1.0, False, (2, 3), "a random number at every lattice point: cheap, blotchy"),
+    Kind("cellular_f1", (2, 3), 0.0, 1.0, False, (2, 3), "distance to the nearest scattered point: cells"),
+    Kind("cellular_f2", (2, 3), 0.0, 1.5, False, (2, 3), "distance to the second nearest: facets"),
+    Kind("cellular_f2f1", (2, 3), 0.0, 1.0, False, (2, 3), "their difference: 0 on the walls between cells"),
+    Kind("improved", (2, 3), -1.0, 1.0, False, (2, 3), "Ken Perlin's of 2002, bit for bit his permutation"),
+    Kind("table", (2, 3), -0.7, 0.7, False, (2, 3), "the Infinity journal's: values for gradients"),
 )
 
 FRACTALS: dict[str, Fractal] = _table(

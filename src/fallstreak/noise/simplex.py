@@ -6,6 +6,8 @@ the corners of the simplex: from the cube's own corner one step along each axis,
 in the points' space (G of their sum subtracted) each corner adds ``(1/2 − r²)^4 · gradient · way``, while
 r² < 1/2, where gradients and hash are those of Perlin noise. With this radius every corner's share ends
 before the simplex does, so the noise is smooth everywhere. `SCALES` make 1 the largest possible value.
+
+With a period it lies on another lattice: `simplex_periodic.py`.
 """
 
 from __future__ import annotations
