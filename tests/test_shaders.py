@@ -16,8 +16,7 @@ from typing import Any
 import pytest
 
 # what no renderer needs yet is validated by its own tests, tests/gpu and tests/noise
-FOR_WHOEVER_NEEDS_IT = {"package::gpu::mips", "package::noise::bake", "package::noise::pack",
-                        "package::noise::derivatives"}  # fmt: skip
+FOR_WHOEVER_NEEDS_IT = {"package::gpu::mips", "package::noise::bake", "package::noise::pack"}
 pytestmark = pytest.mark.xdist_group("shaders")  # the renderers are made once, for both tests
 
 PACKAGE = Path(__file__).parents[1] / "src" / "fallstreak"

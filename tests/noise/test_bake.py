@@ -83,6 +83,23 @@ def test_volumes_are_those_of_the_cpu(device):
     np.testing.assert_allclose(got, want, atol=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("size", "fmt"), [((16, 8), "rg32float"), ((8, 8, 4), "rgba32float"), (8, "rgba32float")]
+)
+def test_flows(device, size, fmt):
+    layer = Layer("curl", octaves=2, frequency=4, seed=6)
+    spec = BakeSpec(size, layer, fmt, tiling=not isinstance(size, int))
+    got = bake(device, spec).array()
+    if spec.cube:
+        points, period = noise.cube_directions(size) * 4, None
+    else:
+        points, period = centres(spec.shape) * 4, [4 * n // spec.shape[0] for n in spec.shape]
+    want = reference.curl(points, 2, seed=6, period=period)
+    np.testing.assert_allclose(got[..., : want.shape[-1]], want, atol=1e-4)
+    with pytest.raises(ValueError, match="channels has"):
+        BakeSpec(size, [layer, layer], fmt)
+
+
 def test_channels_and_blends(device):
     a, b = Layer("value", frequency=3, range=(-1, 1)), Layer("cellular_f1", frequency=5, range=(1, 0))
     va, vb = (bake(device, BakeSpec((16, 16), layer, "r32float")).array() for layer in (a, b))
@@ -169,6 +186,8 @@ def test_a_pass_bakes_once_and_keeps(device):
         (lambda: BakeSpec((8, 8), Layer(frequency=2.5), tiling=True), r"frequency=2.5.*2.5 x 2.5 cells"),
         (lambda: BakeSpec((8, 8), Layer(lacunarity=2.5, octaves=2), tiling=True), "lacunarity=2.5"),
         (lambda: BakeSpec((8, 8), Layer(fractal="foam")), "fractal='foam'"),
+        (lambda: BakeSpec((8, 8), Layer("curl", "ridged")), "kind='curl'"),
+        (lambda: BakeSpec((8, 8), [(Layer("curl"), Layer())]), "kind='curl'"),
         (lambda: BakeSpec((8, 8), Layer(blend="over")), "blend='over'"),
         (lambda: BakeSpec((8, 8), Layer(range=(1, 1))), "range="),
         (lambda: BakeSpec((8, 8), Layer(octaves=0)), "octaves=0"),

@@ -53,9 +53,10 @@ def test_every_kind_validates_as_hardware_gets_it(device, kind):
 @pytest.mark.parametrize("kind", [name for name, kind in KINDS.items() if kind.gradient])
 def test_derivatives_and_curls_validate(device, kind):
     entries = ["slopes2", "slopes3", "slopes4", "flow2", "flow3", "tiled_flow2", "tiled_flow3"]
+    entries += ["flow_plane", "flow_volume", "flow_cube", "tiled_flow_plane", "tiled_flow_volume"]
     for name in entries:
         _, linked = device.shaders.get(
-            "package::noise::derivatives", [name], constants=constants(kind), structs=[LAYER]
+            "package::noise::bake", [name], constants=constants(kind), structs=[LAYER]
         )
         device.native.create_shader_module(label=name, code=linked.code)
 

@@ -38,7 +38,8 @@ class Layer:
     Parameters
     ----------
     kind, fractal : str
-        As for `fbm`; see `kinds.KINDS` and `kinds.FRACTALS`.
+        As for `fbm`; see `kinds.KINDS` and `kinds.FRACTALS`. "curl" is curl noise, per cell of the first
+        octave: it fills two channels in a plane, else three, and stands alone.
     octaves : int
     frequency : float or one for each axis
         Cells of the first octave from one side to the other; a single number counts those along x, and along
@@ -101,10 +102,9 @@ class BakeSpec:
 
     def __post_init__(self):
         _, components = texel(self.format)
-        stacks = self.stacks
-        if not 1 <= len(stacks) <= components or not all(stacks):
+        if not 1 <= self.components <= components or not all(self.stacks):
             raise ValueError(
-                f"channels has {len(stacks)} entries: {self.format} takes 1 to {components}, "
+                f"channels has {self.components} entries: {self.format} takes 1 to {components}, "
                 "of at least one layer each"
             )
         if self.cube and self.tiling:
@@ -112,8 +112,11 @@ class BakeSpec:
         most = 2048 if len(self.shape) == 3 else 8192
         for n in self.shape:
             integer("size", n, 1, most)
-        for layer in (layer for stack in stacks for layer in stack):
-            self._check(layer)
+        for stack in self.stacks:
+            for layer in stack:
+                self._check(layer)
+                if layer.kind == "curl" and len(stack) > 1:
+                    raise ValueError("kind='curl' is not allowed among other layers: it stands alone")
 
     @property
     def cube(self) -> bool:
@@ -153,6 +156,17 @@ class BakeSpec:
             return [(self.channels,)]
         return [(entry,) if isinstance(entry, Layer) else tuple(entry) for entry in self.channels]
 
+    def width(self, stack: tuple[Layer, ...]) -> int:
+        """Channels that the layers of a stack fill."""
+        if stack and stack[0].kind == "curl":
+            return 3 if self.cube else len(self.shape)
+        return 1
+
+    @property
+    def components(self) -> int:
+        """Channels that are filled."""
+        return sum(self.width(stack) for stack in self.stacks)
+
     def frequencies(self, layer: Layer) -> tuple[float, ...]:
         """Cells of a layer along each axis."""
         shape = self.shape
@@ -178,12 +192,18 @@ class BakeSpec:
         if not self.tiling:
             return None
         cells = tuple(round(c) for c in self.frequencies(layer))
-        return period_of(cells, layer.kind, len(cells), layer.octaves, float(layer.lacunarity))
+        kind = "perlin" if layer.kind == "curl" else layer.kind
+        return period_of(cells, kind, len(cells), layer.octaves, float(layer.lacunarity))
 
 
 def check(layer: Layer, dimensions: int) -> None:
     """Raise ValueError for a layer that cannot be in so many dimensions."""
-    kind_of(layer.kind, dimensions)
+    if layer.kind != "curl":
+        kind_of(layer.kind, dimensions)
+    elif layer.fractal != "fbm" or layer.warp != 0.0 or layer.blend != "set":
+        raise ValueError(
+            "kind='curl' is not allowed with a fractal other than 'fbm', with warp or with blend"
+        )
     fractal_of(layer.fractal)
     name_of("blend", layer.blend, BLENDS)
     integer("octaves", layer.octaves, 1, 32)

@@ -28,6 +28,7 @@ LAYER = Struct(
         ("period", "vec4i", "cells, when it repeats"),
         ("width", "u32", "texels in a row"),
         ("slot", "u32", "where the channel begins among the values"),
+        ("stride", "u32", "values from a channel to the next"),
         ("octaves", "u32", "how many"),
         ("first", "u32", "number of the first octave"),
         ("seed", "u32", "of the layer"),
@@ -144,8 +145,7 @@ class Baker:
         count, dimensions = cells.shape
         coordinates = self.coordinates([cells[:, d] for d in range(dimensions)])
         values = self.buffer(4 * count * components)
-        module = "package::noise::bake" if what == "points" else "package::noise::derivatives"
-        pipeline = self.pipeline(f"{'tiled_' if period else ''}{what}{dimensions}", layer, module)
+        pipeline = self.pipeline(f"{'tiled_' if period else ''}{what}{dimensions}", layer)
         groups = (min(1024, -(-count // 64)), -(-count // 65536), 1)
         uniform = self.uniform(
             LAYER,
@@ -155,6 +155,7 @@ class Baker:
             period=_four(period),
             width=count,
             slot=0,
+            stride=count,
             radius=0.0,
             detail=_ALL if detail is None else detail,
         )
@@ -167,16 +168,16 @@ class Baker:
 
     # ---- pieces ----------------------------------------------------------------------------------------
 
-    def pipeline(self, entry: str, layer: Layer, module: str = "package::noise::bake") -> Any:
+    def pipeline(self, entry: str, layer: Layer) -> Any:
         """The pipeline of a layer."""
         constants = {
-            "NOISE": f"package::noise::{layer.kind}",
+            "NOISE": f"package::noise::{'perlin' if layer.kind == 'curl' else layer.kind}",
             "SHAPE": FRACTALS.index(layer.fractal),
             "BLEND": BLENDS.index(layer.blend),
             "CLAMPED": layer.range is not None,
             "WARPED": layer.warp != 0.0,
         }
-        return self._pipeline(module, entry, constants, LAYER)
+        return self._pipeline("package::noise::bake", entry, constants, LAYER)
 
     def packing(self, layout: TexelLayout) -> Any:
         """The pipeline that makes texels of values."""
@@ -237,18 +238,20 @@ class _Work:
         self.parts = list(parts(self._size, rows))
         most = max(part[2] * part[3] for part in self.parts)
         self._stride = most * w
-        self.values = baker.buffer(4 * self._stride * len(spec.stacks))
+        self.values = baker.buffer(4 * self._stride * spec.components)
         self._words = baker.buffer(self._layout.pitch(w) * most)
         self._coordinates: dict[Any, tuple[Any, Any]] = {}
 
     def record(self, encoder: Any, texture: Any, part: tuple[int, int, int, int]) -> None:
         """Record the making of one part."""
         w = self._size[0]
-        for channel, stack in enumerate(self._spec.stacks):
+        channel = 0
+        for stack in self._spec.stacks:
             for layer in stack:
                 self._record_layer(encoder, layer, channel, part)
+            channel += self._spec.width(stack)
         pipeline = self._baker.packing(self._layout)
-        uniform = self._baker.uniform(ROWS, width=w, stride=self._stride, channels=len(self._spec.stacks))
+        uniform = self._baker.uniform(ROWS, width=w, stride=self._stride, channels=self._spec.components)
         group = self._baker.group(pipeline, [self.values, uniform, self._words])
         rows = part[2] * part[3]
         self._baker.dispatch(encoder, pipeline, group, (-(-self._layout.groups(w) // 64), rows, 1))
@@ -275,10 +278,12 @@ class _Work:
             period=_four(spec.period(layer)),
             width=self._size[0],
             slot=channel * self._stride,
+            stride=self._stride,
             radius=frequencies[0],
             detail=math.log2(texels_to_cell) if layer.spacing else _ALL,
         )
         entry = "cube" if spec.cube else "volume" if len(spec.shape) == 3 else "plane"
+        entry = f"flow_{entry}" if layer.kind == "curl" else entry
         pipeline = self._baker.pipeline(f"tiled_{entry}" if spec.tiling else entry, layer)
         buffers = [self.values, uniform]
         if not spec.cube:
