@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import platform
-
 from llvmlite import ir
 from numba.core import types
 from numba.core.typing.templates import signature
@@ -18,7 +16,7 @@ from .vectors import (
     Lanes,
     call,
     constant,
-    features,
+    has_fma,
     intrinsic,
     lanes_of,
     llvm_type,
@@ -38,15 +36,11 @@ def fma(typingctx, a, b, c):
 
     def codegen(context, builder, sig, args):
         a, b, c = (to_lanes(builder, v, t, typ) for v, t in zip(args, sig.args, strict=True))
-        if _has_fma(context):
+        if has_fma(context):
             return call(builder, f"llvm.fma.{suffix(a.type)}", a.type, [a, b, c])
         return builder.fadd(builder.fmul(a, b), c)
 
     return signature(typ, a, b, c), codegen
-
-
-def _has_fma(context) -> bool:
-    return bool(features(context) & {"fma", "avx512f"}) or platform.machine().lower() in ("aarch64", "arm64")
 
 
 def _unary(name: str, doc: str):

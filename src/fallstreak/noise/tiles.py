@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from numba.core.registry import cpu_target
 
 from . import hashing, loops, sources, vectors
 from .static import Static
@@ -81,7 +82,9 @@ def launch(
     """Fill `outputs` (flat float32 arrays) with the noise at the points."""
     source = points if isinstance(points, sources.Source) else sources.arrays(points)
     periodic = bool(octaves[3].any())
-    if periodic:  # whose cells wrap in float64
+    if (
+        periodic or not _fused()
+    ):  # cells wrap in float64; and where products are rounded, float32 has not enough
         source = source.doubled()
         kind = "simplex_periodic" if kind == "simplex" else kind
     places = np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in outputs], np.int64)
@@ -122,6 +125,11 @@ def _in_chunks(work, count: int, octaves: int, threads: int) -> bool:
 @functools.cache
 def _width() -> int:
     return vectors.host_width()
+
+
+@functools.cache
+def _fused() -> bool:
+    return vectors.has_fma(cpu_target.target_context)
 
 
 @functools.cache

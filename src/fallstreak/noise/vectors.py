@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import operator
 import os
+import platform
 from typing import Any
 
 from llvmlite import ir
@@ -179,6 +180,11 @@ def features(context) -> frozenset[str]:
     """Names of the target's instruction sets, as LLVM writes them: "avx512f", "avx2", "fma"."""
     flags = context.codegen()._tm_features
     return frozenset(flag[1:] for flag in flags.split(",") if flag.startswith("+"))
+
+
+def has_fma(context) -> bool:
+    """Whether a product and a sum can be one instruction, rounded once."""
+    return bool(features(context) & {"fma", "avx512f"}) or platform.machine().lower() in ("aarch64", "arm64")
 
 
 def host_width() -> int:
