@@ -82,11 +82,11 @@ def launch(
     """Fill `outputs` (flat float32 arrays) with the noise at the points."""
     source = points if isinstance(points, sources.Source) else sources.arrays(points)
     periodic = bool(octaves[3].any())
-    if (
-        periodic or not _fused()
-    ):  # cells wrap in float64; and where products are rounded, float32 has not enough
+    # cells wrap in float64; and float32 is exact only where products need not be rounded
+    if periodic or not _fused():
         source = source.doubled()
-        kind = "simplex_periodic" if kind == "simplex" else kind
+    if periodic and kind == "simplex":
+        kind = "simplex_periodic"
     places = np.array([(a.__array_interface__["data"][0], a.strides[0]) for a in outputs], np.int64)
 
     def run(source: sources.Source) -> bool:
