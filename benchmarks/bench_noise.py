@@ -75,13 +75,16 @@ def _bound(report):
     ours, clock = (race(dict.fromkeys(names, 2 * ROUNDS + 1))[name] for name in names)
     slots = noise_bound.issues(counted)
     least = slots / noise_bound.PORTS / noise_bound.LANES  # cycles
-    pairs = list(zip(ours.seconds, clock.seconds, strict=True))
-    # cycles that there are in our time, by the clock's own
-    share = median(100 * least * EVALUATIONS / (noise_bound.CYCLES * o / c) for o, c in pairs)
-    hertz = noise_bound.CYCLES / clock.median
+    # the best of both: a round that was interrupted says nothing about the loop
+    share, middle = (
+        100 * least * EVALUATIONS * c / (noise_bound.CYCLES * o)
+        for o, c in ((ours.least, clock.least), (ours.median, clock.median))
+    )
+    hertz = noise_bound.CYCLES / clock.least
     how = f"{slots} issues in the machine code of the loop for {noise_bound.LANES} samples, "
     how += f"{noise_bound.PORTS} a cycle: {least:.2f} cycles each, {1e9 * least / hertz:.2f} ns at "
-    how += f"{hertz / 1e9:.2f} GHz, measured in turns with the loop; median of {len(pairs)} pairs"
+    how += f"{hertz / 1e9:.2f} GHz, measured in turns with the loop; minima of {len(ours.seconds)} rounds, "
+    how += f"by medians {middle:.1f} %"
     report.add(metric, share, "%", goal=goal, how=how)
 
 
