@@ -39,6 +39,7 @@ def _first_picture_seconds() -> float:
     with tempfile.TemporaryDirectory() as folder:
         # Mesa keeps compiled shaders between processes; somebody's first picture does not have that.
         environment = os.environ | {"MESA_SHADER_CACHE_DISABLE": "true", "XDG_CACHE_HOME": folder}
+        environment["NUMBA_CACHE_DIR"] = folder  # nor compiled noise, should a scene want any
         picture = Path(folder) / "first.png"
         command = [sys.executable, "-m", "fallstreak.cli", "render", "jacksboro", "-o", str(picture)]
         start = time.perf_counter()

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 
+from fallstreak import noise
 from fallstreak.noise import patterns
 from fallstreak.noise.scatter import hash_lattice
 
@@ -19,7 +23,18 @@ def test_mean_and_spread_are_as_documented():
 
 def test_value_alone_is_the_same_value():
     x, y = points(1000)
-    assert np.allclose(patterns.slope(x, y, 7)[0], patterns.value(x, y, 7), atol=2e-6)
+    assert np.allclose(patterns.slope(x, y, 7)[0], patterns.value(x, y, 7), atol=1e-12)
+
+
+def test_it_is_perlin_noise():
+    found = noise.sample(tuple(points(1000)), seed=7, threads=1)
+    assert np.abs(patterns.value(*points(1000), 7) - patterns.SCALE * found).max() < 1e-6
+
+
+def test_rendering_does_not_wait_for_numba():
+    """Numba takes half a second to import and seconds to compile."""
+    code = "import sys; import fallstreak.frame.renderer, fallstreak.noise; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_derivatives_against_finite_differences():

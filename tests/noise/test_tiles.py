@@ -59,7 +59,7 @@ def test_grids_are_float32_where_that_loses_nothing():
 
 def test_the_plain_integers_are_what_the_loops_compute():
     """At a lattice point's neighbour along x, Perlin noise is the gradient there times the way, faded out."""
-    from fallstreak.noise.gradients import EDGES3
+    from fallstreak.noise.directions import EDGES3
 
     words, cell, step = hashing.axis_words(9, 0), (5, -3, 70_000), 2.0**-9
     x, y, z = EDGES3[hashing.index(*hashing.corner(cell, words), 16)]

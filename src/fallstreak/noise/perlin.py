@@ -16,7 +16,8 @@ cell. `fractal.py` adds octaves up.
 
 from __future__ import annotations
 
-from .gradients import FOUR_SCALE, gradient2, gradient3, gradient4, unscale
+from .directions import FOUR_SCALE
+from .gradients import gradient2, gradient3, gradient4, unscale
 from .kernels import kernel
 from .lanes import fma
 from .lattice import axis_pair, fade, fade_slope, index, inlined, mix, pair
