@@ -16,6 +16,7 @@ import functools
 import glob
 import hashlib
 import os
+import re
 from typing import Any
 
 import numba
@@ -37,7 +38,9 @@ class KeyedFiles(IndexDataCacheFile):
     def __init__(self, cache_path: str, base: str, source_stamp: Any):
         super().__init__(cache_path, base, source_stamp)
         self._prefix = f"{base}.{digest()[:8]}."
-        self._of_function = os.path.join(glob.escape(cache_path), glob.escape(f"{base}.") + "*.nbc")
+        # the name holds the function's line, which moves with the versions too
+        versions = re.sub(r"-\d+\.", "-*.", glob.escape(base))
+        self._of_function = os.path.join(glob.escape(cache_path), f"{versions}.*.nbc")
 
     def _name(self, key: Any) -> str:
         text = repr((numba.__version__, self._source_stamp, key))

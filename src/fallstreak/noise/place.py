@@ -6,8 +6,9 @@ addition. The product of coordinate and frequency is never rounded: the frequenc
 and both go through fused multiplications. Beyond four million cells that does not work; such points,
 periods, and float64 points, are placed in float64, where cells keep their low 32 bits up to 2^51.
 
-XX
-applied to whole cells and offsets apart, so that nothing is lost there either.
+The lattice of simplex noise is sheared. Cells come from sheared coordinates; the way from a cell to a point
+is computed without them, and the shear back is applied to whole cells and their rest apart, so that nothing
+is lost there either.
 """
 
 from __future__ import annotations
