@@ -154,3 +154,22 @@ def test_memory_is_counted_and_given_back(device):
     del graph
     gc.collect()
     assert device.texture_bytes == before
+
+
+def test_of_passes_that_take_turns_only_the_one_that_says_yes_runs_first(device):
+    """Else a first frame, or one after a resumption, would differ from the same frame in a sequence."""
+    graph = FrameGraph(device)
+    graph.texture("image", "rgba32float", (8, 8), persistent=True)
+    for name, turn in (("day", True), ("night", False)):
+        graph.compute(
+            name,
+            MODULE,
+            entry="gradient",
+            bind={"gradient_image": "image"},
+            groups=(1, 1, 1),
+            when=lambda turn=turn: turn,
+        )
+    graph.output("image")
+    graph.compile()
+    graph.execute()
+    assert [p["ran"] for p in graph.stats()["passes"]] == [True, False]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +52,11 @@ class Compiled:
             step.writes = {(ref.name, ref.mip or 0) for ref in plan.passes[position].writes}
         self._when = [p.when for p in plan.passes]
         # What a later frame relies on must be made in the first one, whatever its pass says of that frame.
-        self._makes_lasting = [any(self._lasts(ref) for ref in p.writes) for p in plan.passes]
+        # Not so where passes take turns to make it: one run unasked would write over the right one's.
+        makers = Counter(name for p in plan.passes for name in {ref.name for ref in p.writes})
+        self._makes_lasting = [
+            any(self._lasts(ref) and makers[ref.name] == 1 for ref in p.writes) for p in plan.passes
+        ]
         self._written: set[tuple[str, int]] = set()
         self._ran = np.zeros(len(plan.passes), bool)
 

@@ -79,8 +79,8 @@ class FrameGraph(Declarations):
         groups : tuple, callable or str
             Workgroups; a callable is asked every frame; a string names an indirect buffer.
         when : callable, optional
-            Asked every frame; False skips the pass. What makes a persistent resource always runs in the
-            first frame.
+            Asked every frame; False skips the pass. What alone makes a persistent resource always runs in
+            the first frame; of passes that take turns to make one, one must say yes.
         """
         native, linked = self._shader(shader, [entry], flags, constants, structs)
         reads, writes = self._accesses(name, linked.bindings, bind)
