@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fallstreak.output import OutputError
+from fallstreak.output.checkpoints import Checkpoints
 from fallstreak.output.naming import FrameNames, is_pattern
 from fallstreak.output.sequence import Target, missing_frames, render_sequence
 
@@ -131,6 +132,16 @@ def test_a_damaged_checkpoint_is_passed_over(reference, tmp_path):
     _, renderer = run(tmp_path)
     assert renderer.restored == [] and renderer.submitted == list(range(40))
     assert contents(tmp_path) == reference
+
+
+@pytest.mark.parametrize("order", [(15, 31, 32), (15, 32, 31), (32, 31, 15)])
+def test_states_are_forgotten_whichever_thread_writes_first(order, tmp_path):
+    """Also those of a run that had come further stay: a frame may have been missing before them."""
+    Checkpoints(tmp_path, "a", FACTS).save(50, {"history": np.zeros(3)})
+    checkpoints = Checkpoints(tmp_path, "a", FACTS)
+    for index in order:
+        checkpoints.save(index, {"history": np.zeros(3)})
+    assert checkpoints.indices() == [31, 32, 50]
 
 
 def test_a_missing_frame_in_the_middle(reference, tmp_path):

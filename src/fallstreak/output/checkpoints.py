@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -47,9 +48,14 @@ class Checkpoints:
         self.folder = Path(folder) / FOLDER
         self._title = title
         self._identity = canonical(identity)
+        self._newest = -1
+        self._forgetting = threading.Lock()
 
     def save(self, index: int, state: Mapping[str, np.ndarray | bytes]) -> None:
-        """Keep the state after frame `index`, and forget all but the newest two up to it."""
+        """Keep the state after frame `index`, and forget all but the newest two up to the last one saved.
+
+        May be called from several threads; the later state may be on disk first.
+        """
         entries: dict[str, np.ndarray] = {_IDENTITY: np.array(self._identity)}
         for name, value in state.items():
             if isinstance(value, bytes | bytearray | memoryview):
@@ -62,8 +68,10 @@ class Checkpoints:
             raise OutputError(f"cannot make {self.folder} for checkpoints: {error.strerror}") from error
         with replacing(self._path(index)) as beside, open(beside, "wb") as file:
             np.savez(file, allow_pickle=False, **entries)
-        for old in [kept for kept in self.indices() if kept <= index][:-_KEPT]:
-            self._path(old).unlink(missing_ok=True)
+        with self._forgetting:
+            self._newest = max(self._newest, index)
+            for old in [kept for kept in self.indices() if kept <= self._newest][:-_KEPT]:
+                self._path(old).unlink(missing_ok=True)
 
     def indices(self) -> list[int]:
         """Frames after which a state was kept, ascending."""
