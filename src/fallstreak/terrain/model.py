@@ -20,7 +20,7 @@ from .pyramid import SIZE, Pyramid, build
 
 SHIPPED = ("jacksboro",)
 
-# heights.wesl and detail.wesl
+# heights.wesl and bumps.wesl
 BORDER = (0.8, 0.95)
 COARSEST, FINEST_DRAWN = 7, 2
 LEAF_DEPTH = 14  # of the quadtree
@@ -114,13 +114,13 @@ def covering_level(pyramid: Pyramid, east, north):
 
 
 def roughness_of_slope(slope):
-    """Amplitude over wavelength of the bumps (twin of detail.wesl)."""
+    """Amplitude over wavelength of the bumps (twin of bumps.wesl)."""
     t = np.clip((slope - 0.05) / 0.55, 0.0, 1.0)
     return 0.012 + 0.038 * t * t * (3.0 - 2.0 * t)
 
 
 def land_weight(pyramid: Pyramid, east, north):
-    """1 on the land, 0 where it has sunk to the globe at the edge of the map (twin of detail.wesl)."""
+    """1 on the land, 0 where it has sunk to the globe at the edge of the map (twin of bumps.wesl)."""
     return np.clip(10.0 - 10.0 * np.hypot(east, north) / (0.97 * pyramid.extent), 0.0, 1.0)
 
 

@@ -18,17 +18,20 @@ if TYPE_CHECKING:
 class Terrain(Section):
     """Heights by map coordinates (metres east and north of the anchor)."""
 
-    source: Literal["none", "file", "fractal"] = choice(
+    source: Literal["none", "file", "fractal", "canyons", "alpine", "plains", "dunes"] = choice(
         "none",
-        doc="none: the bare sphere; file: a digital elevation model; fractal: made from noise and the seed.",
+        doc="none: the bare sphere; file: a digital elevation model. Made from noise and the seed: fractal "
+        "(ranges and plains, on Mars craters), canyons (plateaus cut by gorges), alpine (eroded mountains), "
+        "plains, dunes.",
     )
     file: str = choice(
         "",
         max_length=4096,
         doc="For source file: a .npz or .tif beside the scene, or the name of a shipped model (jacksboro).",
     )
-    material: Literal["temperate", "mars"] = choice(
-        "temperate", doc="What grows and lies on the ground, by height and slope."
+    material: Literal["temperate", "mars", "canyon", "alpine", "coast", "dunes"] = choice(
+        "temperate",
+        doc="What grows and lies on the ground, by height and slope (default: what suits the source).",
     )
     extent: Number = quantity(
         160e3, unit="m", ge=1e3, le=1e6, doc="How far from the anchor the ground is drawn as terrain."
@@ -42,19 +45,33 @@ class Terrain(Section):
         1.0, ge=0.0, le=20.0, doc="Heights of the file or fractal are multiplied by this."
     )
     base_height: Number = quantity(
-        300.0, unit="m", ge=-11e3, le=30e3, doc="For source fractal: mean height of the ground."
+        300.0, unit="m", ge=-11e3, le=30e3, doc="For land made from noise: mean height of the ground."
     )
     relief: Number = quantity(
-        800.0, unit="m", ge=0.0, le=20e3, doc="For source fractal: height from valleys to summits."
+        800.0,
+        unit="m",
+        ge=0.0,
+        le=20e3,
+        doc="For land made from noise: height from valleys to summits, from river to rim.",
     )
     feature_size: Number = quantity(
-        12e3, unit="m", ge=100.0, le=2e5, doc="For source fractal: distance from one mountain to the next."
+        12e3,
+        unit="m",
+        ge=100.0,
+        le=2e5,
+        doc="For land made from noise: distance from one mountain or gorge to the next.",
     )
     roughness: Number = quantity(
-        0.5, ge=0.0, le=1.0, doc="For source fractal: 0 rolling hills, 1 jagged at every scale."
+        0.5, ge=0.0, le=1.0, doc="For land made from noise: 0 rolling hills, 1 jagged at every scale."
     )
     octaves: Whole = quantity(12, ge=1, le=20, doc="For source fractal: how many scales of noise are added.")
-
+    water_level: Number | None = quantity(
+        None,
+        unit="m",
+        ge=-11e3,
+        le=30e3,
+        doc="Height of the sea and of lakes: ground below it lies under water (none: no water but rivers).",
+    )
     _world: World | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
@@ -89,3 +106,12 @@ class Terrain(Section):
 def is_path(name: str) -> bool:
     """Whether ``terrain.file`` is a path (it has a folder or a suffix) and not a shipped model's name."""
     return "/" in name or "\\" in name or "." in name
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "canyons": {"material": "canyon", "base_height": 1600.0, "relief": 350.0, "feature_size": 3e3},
+    "alpine": {"material": "alpine", "base_height": 1500.0, "relief": 2600.0, "feature_size": 16e3},
+    "plains": {"material": "temperate", "base_height": 200.0, "relief": 60.0, "feature_size": 6e3},
+    "dunes": {"material": "dunes", "base_height": 300.0, "relief": 120.0, "feature_size": 1500.0},
+}
+"""For each ``terrain.source``, the defaults of the section that differ from the rest."""

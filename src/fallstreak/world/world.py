@@ -18,6 +18,7 @@ from .film import Film
 from .place import Place
 from .planet import PRESETS, Planet
 from .sky import Sky
+from .terrain import PRESETS as LANDS
 from .terrain import Terrain, is_path
 from .trees import Tree, assign, merge, plain
 
@@ -149,11 +150,16 @@ class World(Section):
 
 
 def with_presets(tree: Tree) -> Tree:
-    """The tree over its planet preset's defaults."""
-    planet = tree.get("planet")
-    preset = planet.get("preset", "earth") if isinstance(planet, dict) else "earth"
-    found = PRESETS.get(preset) if isinstance(preset, str) else None
-    return merge(plain(found), tree) if found else tree
+    """The tree over the defaults of its kind of land, over those of its planet."""
+    land = _named(LANDS, tree.get("terrain"), "source")
+    planet = _named(PRESETS, tree.get("planet"), "preset")
+    defaults = merge({"terrain": plain(land)} if land else {}, plain(planet) if planet else {})
+    return merge(defaults, tree) if defaults else tree
+
+
+def _named(presets: Mapping[str, Any], section: Any, key: str) -> Any:
+    name = section.get(key) if isinstance(section, dict) else None
+    return presets.get(name) if isinstance(name, str) else None
 
 
 def absolute(tree: Tree) -> None:
