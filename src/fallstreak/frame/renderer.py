@@ -242,7 +242,8 @@ class Renderer:
         """What the systems are told of frame `index`."""
         seconds = index / self.fps
         camera = self._camera(seconds)
-        before = camera if self.still else self._camera((index - 1) / self.fps)
+        previous = seconds if self.still else (index - 1) / self.fps
+        before = self._camera(previous)
         return FrameState(
             index=index,
             time=seconds * self.world.time_scale,
@@ -255,6 +256,8 @@ class Renderer:
             previous_camera=before,
             jitter=jitter,
             sample=sample,
+            seconds=seconds,
+            previous_seconds=previous,
         )
 
     def _camera(self, seconds: float) -> CameraState:

@@ -9,7 +9,7 @@ from typing import Literal, Self
 from pydantic import PrivateAttr, model_validator
 
 from .fields import Number, Section, choice, quantity
-from .tracks import Track
+from .tracks import Track, tracks_of
 
 _CHANNELS = ("east", "north", "height", "heading", "pitch", "roll", "fov")
 
@@ -73,16 +73,7 @@ class Camera(Section):
 
     @model_validator(mode="after")
     def _keyframes_in_order(self) -> Self:
-        for before, after in zip(self.keyframes, self.keyframes[1:], strict=False):
-            if after.at <= before.at:
-                raise ValueError(
-                    f"keyframes must be in order of time, but at = {after.at:g} follows at = {before.at:g}"
-                )
-        for name in _CHANNELS:
-            stated = [(k.at, getattr(k, name)) for k in self.keyframes if getattr(k, name) is not None]
-            if stated:
-                kind = "turn" if name == "heading" else "through" if name in ("east", "north") else "monotone"
-                self._tracks[name] = Track(stated, kind)
+        self._tracks.update(tracks_of(self.keyframes, _CHANNELS))
         return self
 
     def at(self, seconds: float) -> Pose:

@@ -89,20 +89,22 @@ def find_line(text: str, path: Key) -> int | None:
     A search by table header and name, without regular expressions, which a hostile line could stall.
     """
     names = [part for part in path if isinstance(part, str)]
-    index = next((part for part in path if isinstance(part, int)), None)
+    # By the number of names before it: the wanted element of an array of tables, and the one we are in.
+    wanted = {sum(isinstance(p, str) for p in path[:i]): p for i, p in enumerate(path) if isinstance(p, int)}
+    inside = dict.fromkeys(wanted, -1)
     header: list[str] = []
-    elements = -1  # how many [[headers]] of the wanted array have gone by
     nearest: int | None = None
     for number, line in enumerate(text.splitlines(), start=1):
         line = line.strip()
         if line.startswith("[") and "]" in line and "=" not in line:
             header = _parts(line.lstrip("[").partition("]")[0])
-            if line.startswith("[[") and header == names[: len(header)]:
-                elements += 1
+            if line.startswith("[[") and header == names[: len(header)] and len(header) in inside:
+                inside[len(header)] += 1
+                inside.update((depth, -1) for depth in inside if depth > len(header))
             full = header
         else:
             full = header + _parts(line.partition("=")[0]) if "=" in line else []
-        if not full or (index is not None and elements not in (-1, index)):
+        if not full or any(inside[depth] not in (-1, place) for depth, place in wanted.items()):
             continue
         if full == names:
             return number

@@ -71,6 +71,11 @@ def build(layers: list[Layer], folder: Path | None) -> World:
     if world.terrain.source == "file" and path and not is_file(path):
         where = origin(("terrain", "file"), layers)
         raise WorldError(f"{where}terrain.file = {shorten(str(path), 120)}, but there is no such file")
+    for index, model in enumerate(world.models):
+        if model.path and not is_file(model.path):
+            where = origin(("models", index, "file"), layers)
+            path = shorten(str(model.path), 120)
+            raise WorldError(f"{where}models[{index}].file = {path}, but there is no such file")
     return world
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from .errors import WorldError, shorten
 from .explain import Layer
 from .terrain import is_path
-from .trees import Tree, plain
+from .trees import Tree, models_in, plain
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4000
@@ -88,6 +88,9 @@ def _confine(tree: Tree, label: str, folder: Path | None) -> None:
     file = terrain.get("file") if isinstance(terrain, dict) else None
     if isinstance(terrain, dict) and isinstance(file, str) and is_path(file):
         terrain["file"] = str(inside(file, folder, label, "terrain.file"))
+    for index, model in enumerate(models_in(tree)):
+        if is_path(model["file"]):
+            model["file"] = str(inside(model["file"], folder, label, f"models[{index}].file"))
 
 
 def inside(name: str, folder: Path | None, label: str, key: str) -> Path:
@@ -107,6 +110,6 @@ def inside(name: str, folder: Path | None, label: str, key: str) -> Path:
     if Path(name).is_absolute() or not target.is_relative_to(root):
         raise WorldError(
             f"{label}: {key} = {shorten(name)} leaves the scene's folder: allowed are relative paths in it"
-            + (f" (--set {key}=… may name any file)" if key != "extends" else "")
+            + (f" (--set {key}=… may name any file)" if "." in key and "[" not in key else "")
         )
     return target

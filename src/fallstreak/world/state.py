@@ -58,6 +58,8 @@ class FrameState:
         Offset of the sampling points in pixels, right and down.
     sample : int
         Of a still, which of its samples this is.
+    seconds, previous_seconds : float
+        Of the sequence, now and in the frame before (the same for stills): the clock of keyframes.
     """
 
     index: int
@@ -71,6 +73,8 @@ class FrameState:
     previous_camera: CameraState
     jitter: tuple[float, float] = (0.0, 0.0)
     sample: int = 0
+    seconds: float = 0.0
+    previous_seconds: float = 0.0
     values: dict[str, object] = field(default_factory=dict, repr=False, compare=False)
 
     @property

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import Any, Literal
 
 Kind = Literal["through", "monotone", "turn"]
 
@@ -61,3 +62,25 @@ class Track:
             bend = span * s * r * (m[i] * r - m[i + 1] * s)
             value = v[i] + (v[i + 1] - v[i]) * s * s * (3.0 - 2.0 * s) + bend
         return value % 360.0 if self.kind == "turn" else value
+
+
+def tracks_of(keyframes: Sequence[Any], channels: Iterable[str]) -> dict[str, Track]:
+    """The tracks of what keyframes state: east and north "through" them, heading by "turn", else "monotone".
+
+    Raises
+    ------
+    ValueError
+        When the keyframes are not in order of time.
+    """
+    for before, after in pairwise(keyframes):
+        if after.at <= before.at:
+            raise ValueError(
+                f"keyframes must be in order of time, but at = {after.at:g} follows at = {before.at:g}"
+            )
+    found: dict[str, Track] = {}
+    for name in channels:
+        stated = [(k.at, getattr(k, name)) for k in keyframes if getattr(k, name) is not None]
+        if stated:
+            kind = "turn" if name == "heading" else "through" if name in ("east", "north") else "monotone"
+            found[name] = Track(stated, kind)
+    return found

@@ -76,3 +76,10 @@ def at(tree: Any, path: tuple[str | int, ...], default: Any = None) -> Any:
 def holds(tree: Any, path: tuple[str | int, ...]) -> bool:
     """Whether the tree holds something at the path."""
     return at(tree, path, _NOTHING) is not _NOTHING
+
+
+def models_in(tree: Tree) -> list[Tree]:
+    """The tables of ``[[models]]``, each with a ``file``; what is none of these is left to the validation."""
+    models = tree.get("models")
+    found = models if isinstance(models, list) else []
+    return [m if isinstance(m, dict) and isinstance(m.get("file"), str) else {"file": ""} for m in found]

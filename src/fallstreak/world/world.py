@@ -8,19 +8,27 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, AwareDatetime, BeforeValidator, PrivateAttr, ValidationError
+from pydantic import (
+    AfterValidator,
+    AwareDatetime,
+    BeforeValidator,
+    PrivateAttr,
+    ValidationError,
+    field_validator,
+)
 
 from .camera import Camera
 from .errors import WorldError
 from .explain import Layer, explain
 from .fields import Number, Section, Whole, choice, quantity, table
 from .film import Film
+from .models import Model, check_names
 from .place import Place
 from .planet import PRESETS, Planet
 from .sky import Sky
 from .terrain import PRESETS as LANDS
 from .terrain import Terrain, is_path
-from .trees import Tree, assign, merge, plain
+from .trees import Tree, assign, merge, models_in, plain
 
 
 def _moment(value: Any) -> Any:
@@ -75,10 +83,17 @@ class World(Section):
     terrain: Terrain = table(Terrain, "The ground.")
     camera: Camera = table(Camera, "Where the picture is taken from.")
     film: Film = table(Film, "Exposure and tone.")
+    models: tuple[Model, ...] = choice((), max_length=256, doc="Things: glTF models that stand or move.")
 
     # What was given, before presets and defaults: the ground that changes are laid on.
     _given: Tree = PrivateAttr(default_factory=dict)
     _folder: Path | None = PrivateAttr(default=None)
+
+    @field_validator("models")
+    @classmethod
+    def _names_differ(cls, models: tuple[Model, ...]) -> tuple[Model, ...]:
+        check_names(models)
+        return models
 
     def __init__(self, /, **given: Any) -> None:
         tree = plain(given)
@@ -168,3 +183,6 @@ def absolute(tree: Tree) -> None:
     file = terrain.get("file") if isinstance(terrain, dict) else None
     if isinstance(terrain, dict) and isinstance(file, str) and is_path(file) and "\0" not in file:
         terrain["file"] = os.path.abspath(os.path.expanduser(file))
+    for model in models_in(tree):
+        if is_path(model["file"]) and "\0" not in model["file"]:
+            model["file"] = os.path.abspath(os.path.expanduser(model["file"]))

@@ -33,6 +33,10 @@ def to_toml(world: World) -> str:
         root = world.folder.resolve()
         if world.terrain.path.resolve().is_relative_to(root):
             terrain["file"] = world.terrain.path.resolve().relative_to(root).as_posix()
+    for model, given in zip(world.models, values.get("models", []), strict=False):
+        root = world.folder.resolve() if world.folder else None
+        if root and model.path and model.path.resolve().is_relative_to(root):
+            given["file"] = model.path.resolve().relative_to(root).as_posix()
     keyframes = values.get("camera", {}).pop("keyframes", None)
     for key, value in values.items():
         document.add(key, value)
@@ -53,6 +57,8 @@ def _differences(model: Any, default: Any) -> dict[str, Any]:
             continue
         if name == "keyframes":
             found[name] = [frame.model_dump(exclude_none=True) for frame in value]
+        elif name == "models":
+            found[name] = [model.model_dump(exclude_defaults=True) for model in value]
         elif hasattr(type(value), "model_fields"):
             found[name] = _differences(value, usual)
         elif value is None:
