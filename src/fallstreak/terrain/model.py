@@ -4,27 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from importlib.resources import as_file, files
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ..noise import patterns
 from ..world.errors import WorldError
-from . import spline
 from .continuation import FileLand
 from .elevation import ElevationGrid, read_elevation
 from .fractal import FractalLand
-from .pyramid import SIZE, Pyramid, build
+from .land.levels import Levels
+from .land.shape import LandModel, LandShape, land_values
+from .pyramid import build
 
 SHIPPED = ("jacksboro",)
+LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": "Dunes"}
+"""Kinds of land made from noise at every sample: module and class in ``land/``."""
 
-# heights.wesl and bumps.wesl
-BORDER = (0.8, 0.95)
-COARSEST, FINEST_DRAWN = 7, 2
-LEAF_DEPTH = 14  # of the quadtree
-SEED = 101  # added to the world's seed for the bumps
+SEED = 101  # added to the world's seed for all noise of the ground
+SINK = (0.86, 0.97)  # of the extent: where the land sinks to the globe (shape_pass.wesl)
+FINEST = 0.25  # m, the step of `height`: finer than the clipmap's finest samples
 
 
 @dataclass(frozen=True)
@@ -33,100 +35,52 @@ class TerrainModel:
 
     Attributes
     ----------
-    pyramid : Pyramid or None
+    land : LandModel or None
         None where the world has no terrain (the bare sphere).
     radius : planet radius, m
-    seed : int
+    extent : m, half the width of the map
+    island : bool
+        The sea begins where the elevation file ends.
     """
 
-    pyramid: Pyramid | None
+    land: LandModel | None
     radius: float
-    seed: int
+    extent: float
+    island: bool = False
 
-    def height(self, east: Any, north: Any, bumps: bool = True) -> Any:
-        """Height above sea level, m.
+    def shape(self, east: Any, north: Any, step: Any = FINEST) -> LandShape:
+        """The land at places of the map as samples `step` metres apart hold it; arrays broadcast."""
+        assert self.land is not None
+        east, north = np.asarray(east, np.float64), np.asarray(north, np.float64)
+        found = self.land.shape(east, north, step)
+        t = np.clip((np.hypot(east, north) / self.extent - SINK[0]) / (SINK[1] - SINK[0]), 0.0, 1.0)
+        sunk = t * t * (3.0 - 2.0 * t)
+        outside = self.land.outside
+        drained = 0.0 if self.island else sunk
+        return LandShape(
+            found.height + (outside - found.height) * sunk,
+            found.water + (outside - 10.0 - found.water) * drained,
+            found.shift_east * (1.0 - sunk),
+            found.shift_north * (1.0 - sunk),
+            found.lost,
+            found.open,
+        )
+
+    def height(self, east: Any, north: Any) -> Any:
+        """Height of the ground above sea level, m.
 
         Parameters
         ----------
         east, north : numbers or arrays that broadcast together, metres on the map
-        bumps : bool
-            With the small bumps that are drawn near the camera (wavelengths 128 to 4 m).
 
         Returns
         -------
         float or float64 array of the broadcast shape
         """
-        return self.height_and_slope(east, north, bumps)[0]
-
-    def height_and_slope(self, east: Any, north: Any, bumps: bool = True, step: Any = 0.0):
-        """Height (m) and its derivatives towards east and north.
-
-        Parameters
-        ----------
-        east, north, bumps : as for `height`
-        step : number or array, m
-            Distance between the vertices of the mesh: heights are filtered for it, as the GPU does. 0: as
-            fine as is known.
-
-        Returns
-        -------
-        tuple of three float64 arrays of the broadcast shape
-        """
-        e, n, step = np.broadcast_arrays(np.asarray(east, np.float64), north, step)
-        shape = e.shape
-        if self.pyramid is None:
-            return tuple(np.zeros(shape)[()] for _ in range(3))
-        e, n, step = e.ravel(), n.ravel().astype(np.float64), step.ravel().astype(np.float64)
-        pyramid = self.pyramid
-        wanted = np.log2(np.maximum(step, 1e-6) / pyramid.spacing)
-        level = np.clip(np.maximum(covering_level(pyramid, e, n), wanted), 0.0, pyramid.levels - 1.0)
-        out = np.zeros((3, len(e)))
-        for k in range(pyramid.levels):
-            weight = np.clip(1.0 - np.abs(level - k), 0.0, 1.0)
-            here = weight > 0.0
-            if here.any():
-                spacing = pyramid.spacing * 2**k
-                column, row = (x[here] / spacing + (SIZE / 2 - 0.5) for x in (e, n))
-                value, dx, dy = spline.evaluate_with_slopes(pyramid.coefficients[k], column, row)
-                out[:, here] += weight[here] * np.stack([value, dx / spacing, dy / spacing])
-        if bumps:
-            roughness = roughness_of_slope(np.hypot(out[1], out[2])) * land_weight(pyramid, e, n)
-            for power in range(first_octave(pyramid.spacing), FINEST_DRAWN - 1, -1):
-                scale = 2.0**power
-                part = roughness * np.clip(2.0 - 4.0 * step / scale, 0.0, 1.0)
-                value, dx, dy = patterns.slope(e / scale, n / scale, self.seed + SEED + power + 16)
-                out += part * np.stack([value * scale, dx, dy])
-        return tuple(row.reshape(shape)[()] for row in out)
-
-    def drawn_height(self, east: Any, north: Any, step: Any) -> Any:
-        """Height of a vertex of the mesh, m: past the map's edge it dives under the globe."""
-        assert self.pyramid is not None
-        dive = 0.1 * np.maximum(np.hypot(east, north) - 0.985 * self.pyramid.extent, 0.0)
-        return self.height_and_slope(east, north, step=step)[0] - dive
-
-
-def covering_level(pyramid: Pyramid, east, north):
-    """The finest level that covers a place, as a real number (twin of heights.wesl)."""
-    reach = np.maximum(np.abs(east), np.abs(north)) / (0.5 * SIZE * pyramid.spacing * BORDER[1])
-    level = np.maximum(np.ceil(np.log2(np.maximum(reach, 1e-6))), 0.0)
-    t = np.clip((reach * 2.0**-level * BORDER[1] - BORDER[0]) / (BORDER[1] - BORDER[0]), 0.0, 1.0)
-    return level + t * t * (3.0 - 2.0 * t)
-
-
-def roughness_of_slope(slope):
-    """Amplitude over wavelength of the bumps (twin of bumps.wesl)."""
-    t = np.clip((slope - 0.05) / 0.55, 0.0, 1.0)
-    return 0.012 + 0.038 * t * t * (3.0 - 2.0 * t)
-
-
-def land_weight(pyramid: Pyramid, east, north):
-    """1 on the land, 0 where it has sunk to the globe at the edge of the map (twin of bumps.wesl)."""
-    return np.clip(10.0 - 10.0 * np.hypot(east, north) / (0.97 * pyramid.extent), 0.0, 1.0)
-
-
-def first_octave(spacing: float) -> int:
-    """The coarsest bump: what the levels cannot hold, at most 128 m."""
-    return int(min(COARSEST, np.floor(np.log2(1.5 * spacing))))
+        e, n = np.broadcast_arrays(np.asarray(east, np.float64), np.asarray(north, np.float64))
+        if self.land is None:
+            return np.zeros(e.shape)[()]
+        return self.shape(e, n).height[()]
 
 
 def shipped_path(name: str) -> Path:
@@ -151,7 +105,8 @@ def terrain_model(world: Any) -> TerrainModel:
         t.extent,
         t.surroundings,
         t.vertical_exaggeration,
-        (t.base_height, t.relief, t.feature_size, t.roughness, t.octaves) if t.source == "fractal" else None,
+        t.octaves,
+        tuple(sorted(land_values(t).items())),
         (world.place.latitude, world.place.longitude),
         world.planet.radius,
         world.seed,
@@ -161,19 +116,35 @@ def terrain_model(world: Any) -> TerrainModel:
 
 @lru_cache(maxsize=4)
 def _build(key: tuple) -> TerrainModel:
-    source, file, _, material, extent, surroundings, exaggeration, fractal, place, radius, seed = key
+    source, file, _, material, extent, surroundings, exaggeration, octaves, values, place, radius, seed = key
     if source == "none":
-        return TerrainModel(None, radius, seed)
+        return TerrainModel(None, radius, extent)
+    land = SimpleNamespace(**dict(values))
+    ground = (seed + SEED) & 0xFFFFFFFF
+    if source in LANDS:
+        kind = getattr(import_module(f"fallstreak.terrain.land.{source}"), LANDS[source])
+        return TerrainModel(kind(land, ground), radius, extent)
     if source == "fractal":
-        land = FractalLand(
-            *fractal, exaggeration=exaggeration, seed=seed, extent=extent, dry=material == "mars"
+        base, relief = (x / max(exaggeration, 1e-9) for x in (land.base_height, land.relief))
+        heights = FractalLand(
+            base,
+            relief,
+            land.feature_size,
+            land.roughness,
+            octaves,
+            exaggeration=exaggeration,
+            seed=seed,
+            extent=extent,
+            dry=material == "mars",
         )
     else:
         path = Path(file) if Path(file).suffix else shipped_path(file)
         grid = read_elevation(path)
         _check_near(grid, place, radius, extent)
-        land = FileLand(grid, place, radius, surroundings, seed, exaggeration)
-    return TerrainModel(build(land, extent), radius, seed)
+        heights = FileLand(grid, place, radius, surroundings, seed, exaggeration)
+    island = source == "file" and surroundings == "sea"
+    level = 0.3 if island else land.water_level
+    return TerrainModel(Levels(build(heights, extent), extent, ground, level), radius, extent, island)
 
 
 def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> None:

@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
-from math import cos, floor, hypot, sin, sqrt, tan
+from math import cos, floor, hypot, log2, sin, sqrt, tan
 from typing import Any
 
 import numpy as np
 
-from ..gpu import Device, FrameGraph, Struct
+from ..gpu import Device, FrameGraph
 from ..world.state import FrameState, map_coordinates
-from .model import LEAF_DEPTH, SEED, TerrainModel, first_octave, terrain_model
-from .pyramid import SIZE
-
-TERRAIN_FRAME = Struct(
-    "TerrainFrame",
-    [
-        ("camera_map", "vec2f", "m, camera on the map, east and north of the anchor"),
-        ("camera_local", "vec2f", "m, camera_map − tile, exact"),
-        ("camera_fraction", "vec2f", "m, from the corner of the camera's leaf cell to the camera"),
-        ("camera_cell", "vec2i", "leaf cell under the camera"),
-        ("tile", "vec2i", "m, whole multiple of 4096 near the camera: the origin of noise"),
-        ("camera_height", "f32", "m above sea level"),
-        ("camera_above", "f32", "m above the ground below"),
-        ("sun", "vec3f", "unit, towards the sun, world axes"),
-        ("pole", "vec3f", "the planet's north pole in world axes"),
-        ("extent", "f32", "m, half the width of the map"),
-        ("leaf", "f32", "m, width of the smallest node"),
-        ("range", "f32", "a node is drawn up to this many of its own widths away"),
-        ("spacing", "f32", "m between texels of level 0"),
-        ("levels", "f32", "number of levels"),
-        ("lowest", "f32", "m, lowest ground anywhere"),
-        ("bump_bound", "f32", "m, largest bump"),
-        ("globe_height", "f32", "m above sea level of the sphere beyond the terrain"),
-        ("map_cosine", "f32", "cosine of the angle of the terrain's round map; 2 where there is none"),
-        ("land_near", "f32", "1 where the planet near the anchor must be land, -1 sea"),
-        ("depth", "u32", "quadtree level of the leaves"),
-        ("indices", "u32", "of one node's mesh"),
-        ("seed", "u32", "of all noise here"),
-    ],
-)
+from .clipmap_passes import ClipmapPasses
+from .frame import TERRAIN_FRAME
+from .land.levels import Levels
+from .model import SEED, TerrainModel, terrain_model
 
 MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
-SHORE = 512
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _TILE = 4096
@@ -70,41 +43,29 @@ class Terrain:
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._light = graph.uniforms.get("sky.light")  # without a sky the sun stands overhead
         self._sees_globe = True
-        self._is_island = world.terrain.source == "file" and world.terrain.surroundings == "sea"
-        self._fixed = self._fixed_values(world)
-        self._frame.set(**self._fixed)
+        self._below: tuple[Any, float] = (None, 0.0)
         surface = (
             "mars"
             if world.terrain.material == "mars" and world.planet.surface != "ocean"
             else world.planet.surface
         )
-        if self.model.pyramid is not None:
-            self._add_ground(graph, world, quality, _SURFACES[surface])
-        self._add_globe(graph, quality, _SURFACES[surface])
+        planet = {"SURFACE_KIND": _SURFACES[surface], "PLANET_OCTAVES": quality.terrain_planet_octaves}
+        self.clip: ClipmapPasses | None = None
+        if self.model.land is not None:
+            self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
+            self._add_ground(graph)
+        self._fixed = self._fixed_values(world)
+        self._frame.set(**self._fixed)
+        self._add_globe(graph, planet)
 
-    def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, surface: int) -> None:
-        pyramid = self.model.pyramid
-        assert pyramid is not None
-        # the lowlands that a far view goes over; single deep valleys open no view across the map
-        self._lowland = float(np.percentile(pyramid.bounds[6][..., 0], 25))
-        graph.texture_data("terrain.coefficients", pyramid.coefficients, "r32float", dimension="2d-array")
-        graph.texture_data("terrain.surface", pyramid.surface, "rgba16float", dimension="2d-array")
-        graph.buffer_data("terrain.bounds", np.concatenate([b.reshape(-1, 2) for b in pyramid.bounds]))
+    def _add_ground(self, graph: FrameGraph) -> None:
+        assert self.clip is not None
         graph.buffer_data("terrain.index", grid_indices(self._grid), usage=("index",))
         graph.buffer("terrain.nodes", 8 * MAX_NODES)
         graph.buffer("terrain.draws", 20, usage=("indirect",))
         graph.buffer("terrain.workgroups", 12, usage=("indirect",))
-        graph.buffer("terrain.heights", 4 * MAX_NODES * (self._grid + 1) ** 2)
-        graph.texture("terrain.shore", "rgba8unorm", (SHORE, SHORE), persistent=True)
-        graph.compute(
-            "terrain.shore",
-            "package::terrain::shore",
-            bind={"view": "view", "terrain": "terrain.frame", "output": "terrain.shore"},
-            groups=(SHORE // 8, SHORE // 8, 1),
-            structs=[TERRAIN_FRAME],
-            constants={"SURFACE_KIND": surface, "PLANET_OCTAVES": quality.terrain_planet_octaves},
-            when=lambda: False,  # in the first frame alone
-        )
+        graph.buffer("terrain.heights", 8 * MAX_NODES * (self._grid + 1) ** 2)
+        constants = {**self.clip.constants, "GRID": self._grid}
         graph.compute(
             "terrain.selection",
             "package::terrain::selection",
@@ -118,19 +79,22 @@ class Terrain:
             },
             groups=(1, 1, 1),
             structs=[TERRAIN_FRAME],
+            constants=constants,
         )
         graph.compute(
             "terrain.heights",
             "package::terrain::heights_pass",
             bind={
                 "terrain": "terrain.frame",
-                "coefficients": "terrain.coefficients",
+                "shapes": "terrain.shape",
+                "shifts": "terrain.shift",
                 "nodes": "terrain.nodes",
                 "heights": "terrain.heights",
             },
             groups="terrain.workgroups",
             structs=[TERRAIN_FRAME],
-            constants={"GRID": self._grid, "FIRST_OCTAVE": first_octave(pyramid.spacing)},
+            constants=constants,
+            flags=self.clip.flags,
         )
         graph.render(
             "terrain.gbuffer",
@@ -141,36 +105,23 @@ class Terrain:
                 "view": "view",
                 "terrain": "terrain.frame",
                 "heights": "terrain.heights",
-                "surface": "terrain.surface",
-                "linear": "sampler:linear-clamp",
                 "nodes": "terrain.nodes",
                 "workgroups": "terrain.workgroups",
-                "shore": "terrain.shore",
+                "repeat": "sampler:linear-repeat",
+                "surface": "terrain.surface",
+                "cover_a": "terrain.cover_a",
+                "cover_b": "terrain.cover_b",
+                "tint": "terrain.tint",
             },
             indirect="terrain.draws",
             index="terrain.index",
             indices=6 * self._grid**2,
             structs=[TERRAIN_FRAME],
-            flags={
-                "MARS": world.terrain.material == "mars",
-                "SEA": self._is_island,
-                "CROWNS": True,
-                "PARCELS": True,
-                "STONES": True,
-                "LEAVES": quality.terrain_bump_finest < 0,
-            },
-            constants={
-                "GRID": self._grid,
-                "FIRST_OCTAVE": first_octave(pyramid.spacing),
-                "NORMAL_FINEST": quality.terrain_bump_finest,
-                "STONE_FINEST": 1 if quality.terrain_bump_finest >= 0 else -2,
-                "GROUND_FINEST": quality.terrain_bump_finest - 3,
-                "SURFACE_KIND": surface,
-                "PLANET_OCTAVES": quality.terrain_planet_octaves,
-            },
+            constants=constants,
+            flags=self.clip.flags,
         )
 
-    def _add_globe(self, graph: FrameGraph, quality: Any, surface: int) -> None:
+    def _add_globe(self, graph: FrameGraph, planet: dict[str, int]) -> None:
         graph.buffer_data("terrain.globe_index", grid_indices(SECTORS, RINGS), usage=("index",))
         graph.render(
             "terrain.globe",
@@ -182,37 +133,32 @@ class Terrain:
             indices=6 * RINGS * SECTORS,
             instances=lambda: int(self._sees_globe),
             structs=[TERRAIN_FRAME],
-            constants={
-                "RINGS": RINGS,
-                "SECTORS": SECTORS,
-                "SURFACE_KIND": surface,
-                "PLANET_OCTAVES": quality.terrain_planet_octaves,
-            },
+            constants={"RINGS": RINGS, "SECTORS": SECTORS, **planet},
             order=1,
         )
 
     def update(self, state: FrameState) -> None:
         """Set the uniforms of a frame, after the sky has set its own."""
         moving = self._moving_values(state)
-        self._sees_globe = self.model.pyramid is None or self._sees_beyond(moving, state.planet_radius)
+        self._sees_globe = self.clip is None or self._sees_beyond(moving, state.planet_radius)
         if self._light is not None:
             self._frame.set(sun=self._light.record["sun_direction"])
         self._frame.set(**moving)
 
     def _sees_beyond(self, moving: dict[str, Any], radius: float) -> bool:
         """Whether the horizon may lie outside of the terrain's round map."""
-        assert self.model.pyramid is not None
-        eye = max(moving["camera_height"] - self._lowland, 0.0)
-        top = max(self._fixed["globe_height"] - self._lowland, 0.0)
+        lowland = self._fixed["lowest"]
+        eye = max(moving["camera_height"] - lowland, 0.0)
+        top = max(self._fixed["globe_height"] - lowland, 0.0)
         sight = sqrt(eye * (2.0 * radius + eye)) + sqrt(2.0 * radius * top)
-        return hypot(*moving["camera_map"]) + sight > 0.97 * self.model.pyramid.extent
+        return hypot(*moving["camera_map"]) + sight > 0.97 * self.model.extent
 
     def frame_values(self, state: FrameState) -> dict[str, Any]:
         """All fields of `TerrainFrame` for a camera; what the CPU twin of the selection starts from."""
         return {**self._fixed, **self._moving_values(state)}
 
     def _fixed_values(self, world: Any) -> dict[str, Any]:
-        latitude, pyramid = world.place.latitude_radians, self.model.pyramid
+        latitude, model = world.place.latitude_radians, self.model
         values: dict[str, Any] = {
             "seed": (world.seed + SEED) & 0xFFFFFFFF,
             "sun": (0.0, 0.0, 1.0),
@@ -221,56 +167,53 @@ class Terrain:
             "map_cosine": 2.0,
             "land_near": 0.0,
         }
-        if pyramid is not None:
+        if model.land is not None and self.clip is not None:
+            lowest = min(model.land.bounds()[0], model.land.outside)
+            leaf = self._grid * self.clip.spacing
             values.update(
-                extent=pyramid.extent,
-                leaf=2.0 * pyramid.extent / 2**LEAF_DEPTH,
-                spacing=pyramid.spacing,
-                levels=pyramid.levels,
-                lowest=float(pyramid.bounds[0][0, 0, 0]) - bump_bound(pyramid.spacing),
-                bump_bound=bump_bound(pyramid.spacing),
-                globe_height=pyramid.outside,
-                map_cosine=cos(0.975 * pyramid.extent / world.planet.radius),
-                land_near=-1.0 if self._is_island else 1.0,
-                depth=LEAF_DEPTH,
+                extent=model.extent,
+                leaf=leaf,
+                lowest=lowest,
+                globe_height=model.land.outside,
+                map_cosine=cos(0.975 * model.extent / world.planet.radius),
+                land_near=-1.0 if model.island else 1.0,
+                depth=round(log2(2.0 * self.clip.half / leaf)),
                 indices=6 * self._grid**2,
+                clip_levels=self.clip.levels,
+                shift_bound=model.land.shift_bound,
             )
+            if isinstance(model.land, Levels):
+                pyramid = model.land.pyramid
+                values.update(spacing=pyramid.spacing, levels=pyramid.levels)
         return values
 
     def _moving_values(self, state: FrameState) -> dict[str, Any]:
         east, north = map_coordinates(state.camera.position, state.planet_radius)
-        height, pyramid = state.altitude, self.model.pyramid
-        if pyramid is None:
+        height = state.altitude
+        if self.clip is None:
             return {"camera_map": (east, north), "camera_height": height}
-        leaf, extent = self._fixed["leaf"], pyramid.extent
-        cell = (floor((east + extent) / leaf), floor((north + extent) / leaf))
+        leaf, half = self._fixed["leaf"], self.clip.half
+        cell = (floor((east + half) / leaf), floor((north + half) / leaf))
         tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
         pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
+        above = max(height - self._ground_below(east, north), 0.0)
         return {
             "camera_map": (east, north),
             "camera_height": height,
             "camera_local": (east - tile[0], north - tile[1]),
-            "camera_fraction": (east + extent - cell[0] * leaf, north + extent - cell[1] * leaf),
+            "camera_fraction": (east + half - cell[0] * leaf, north + half - cell[1] * leaf),
             "camera_cell": cell,
             "tile": tile,
-            "camera_above": max(height - nearest_height(pyramid, east, north), 0.0),
+            "camera_above": above,
             "range": max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
+            **self.clip.move(east, north, above * pixel),
         }
 
-
-def bump_bound(spacing: float) -> float:
-    """The sum of all octaves of bumps at the roughest, every one at its largest value, m."""
-    return 0.05 * 1.25 * 2.0 ** (first_octave(spacing) + 1)
-
-
-def nearest_height(pyramid: Any, east: float, north: float) -> float:
-    """Height of the finest texel at a place, m: enough for the level of detail, in microseconds."""
-    for level in range(pyramid.levels):
-        spacing = pyramid.spacing * 2**level
-        i, j = int(north / spacing + SIZE / 2), int(east / spacing + SIZE / 2)
-        if 0 <= i < SIZE and 0 <= j < SIZE:
-            return float(pyramid.coefficients[level, i, j])
-    return pyramid.outside
+    def _ground_below(self, east: float, north: float) -> float:
+        """Rough height of the ground at a place: enough for the level of detail."""
+        if self._below[0] != (east, north):
+            self._below = (east, north), float(self.model.shape(east, north, 16.0).height)
+        return self._below[1]
 
 
 def grid_indices(columns: int, rows: int | None = None) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Nested levels of heights around the anchor, what is derived from them, and bounds for every quadtree node.
+"""Nested levels of heights around the anchor, and how steep the land is that each of them leaves out.
 
 Every level has 768² texels; level 0 is the finest, each next one covers twice the extent, the last one the
 whole map of ±extent metres. Texel (column i, row j) of level k lies at map position ((i + ½) s_k − W_k / 2,
@@ -14,15 +14,11 @@ from typing import Protocol
 
 import numpy as np
 
+from .elevation import bilinear
 from .spline import blur, coefficients
 
 SIZE = 768
-MAX_LEVELS = 6  # 6 · 768² · (4 + 8) bytes = 42 MB on the GPU
-BOUND_LEVELS = (
-    9  # quadtree levels 0..8 have bounds of their own (256² cells); finer nodes use their ancestor's
-)
-_FADE = (0.86, 0.97)  # of the extent: where the land sinks to the height of the globe
-_RELIEF_SCALE = 700.0  # m: hills are what stands above the mean over this radius
+MAX_LEVELS = 6  # 6 · 768² · (4 + 4) bytes = 28 MB on the GPU
 
 
 class Land(Protocol):
@@ -43,17 +39,14 @@ class Pyramid:
     extent : half the width of the last level, m
     spacing : of level 0, m
     coefficients : (levels, 768, 768) float32, B-spline coefficients of height, m
-    surface : (levels, 768, 768, 4) float16: slope east, slope north, height above the surroundings / 100 m,
-        hollowness −1..1 (positive in hollows, negative on crests)
-    bounds : list of (2^q, 2^q, 2) float32, lowest and highest height in each node of quadtree level q, m
+    lost : (levels, 768, 768) float32, rise over run, root mean square, of what is finer than the texels
     outside : height of the globe beyond the extent, m
     """
 
     extent: float
     spacing: float
     coefficients: np.ndarray
-    surface: np.ndarray
-    bounds: list[np.ndarray]
+    lost: np.ndarray
     outside: float
 
     @property
@@ -62,7 +55,20 @@ class Pyramid:
 
     @property
     def nbytes(self) -> int:
-        return self.coefficients.nbytes + self.surface.nbytes + sum(b.nbytes for b in self.bounds)
+        return self.coefficients.nbytes + self.lost.nbytes
+
+    @property
+    def lowest(self) -> float:
+        """A B-spline lies between the least and the largest of its coefficients."""
+        return float(self.coefficients.min())
+
+    @property
+    def highest(self) -> float:
+        return float(self.coefficients.max())
+
+    def lost_at(self, level: int, column: np.ndarray, row: np.ndarray) -> np.ndarray:
+        """`lost` of a level at fractional texels."""
+        return bilinear(self.lost[level], column, row)
 
 
 def axis(level_spacing: float, first: int = 0, last: int = SIZE) -> np.ndarray:
@@ -86,17 +92,9 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
     for level in range(levels):
         spacing = coarsest / 2 ** (levels - 1 - level)
         heights.append(_sample_level(land, spacing, heights[-1] if heights else None))
-    for level, h in enumerate(heights):
-        centres = axis(coarsest / 2 ** (levels - 1 - level))
-        far = np.hypot(centres[None, :], centres[:, None]) / extent
-        t = np.clip((far - _FADE[0]) / (_FADE[1] - _FADE[0]), 0.0, 1.0)
-        h += (land.outside - h) * t * t * (3.0 - 2.0 * t)
-    spacing0 = coarsest / 2 ** (levels - 1)
     splines = np.stack([coefficients(h) for h in heights])
-    surface = np.stack(
-        [_surface(h, c, spacing0 * 2**k) for k, (h, c) in enumerate(zip(heights, splines, strict=True))]
-    )
-    return Pyramid(extent, spacing0, splines.astype(np.float32), surface, _bounds(splines), land.outside)
+    spacing0 = coarsest / 2 ** (levels - 1)
+    return Pyramid(extent, spacing0, splines.astype(np.float32), _lost(splines, spacing0), land.outside)
 
 
 def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.ndarray:
@@ -120,59 +118,29 @@ def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.nd
     return out
 
 
-def _surface(heights: np.ndarray, spline: np.ndarray, spacing: float) -> np.ndarray:
+def _lost(splines: np.ndarray, spacing0: float) -> np.ndarray:
+    """What the slopes of finer levels have more than those of a level, where finer ones exist; elsewhere as
+    much of the slopes about as there."""
+    out = np.zeros(splines.shape)
+    a, b = SIZE // 4, 3 * SIZE // 4
+    finer = None
+    for k, spline in enumerate(splines):
+        square = _slope_square(spline, spacing0 * 2**k)
+        if finer is not None:
+            left = np.maximum(finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3)) - square[a:b, a:b], 0.0)
+            about = blur(square, 4.0)
+            share = left.mean() / max(about[a:b, a:b].mean(), 1e-9)
+            out[k] = share * about
+            out[k, a:b, a:b] = left
+        finer = square + out[k]
+    return np.sqrt(out).astype(np.float32)
+
+
+def _slope_square(spline: np.ndarray, spacing: float) -> np.ndarray:
     padded = np.pad(spline, 1, mode="edge")
     # the spline's own derivative at the texel centres
     across = (padded[:, 2:] - padded[:, :-2]) / (2.0 * spacing)
     up = (padded[2:, :] - padded[:-2, :]) / (2.0 * spacing)
     slope_east = (across[:-2] + 4.0 * across[1:-1] + across[2:]) / 6.0
     slope_north = (up[:, :-2] + 4.0 * up[:, 1:-1] + up[:, 2:]) / 6.0
-    relief = heights - blur(heights, _RELIEF_SCALE / spacing)
-    near = blur(heights, max(120.0 / spacing, 0.7)) - heights
-    hollow = np.clip(near / max(0.05 * spacing, 5.0), -1.0, 1.0)
-    return np.stack([slope_east, slope_north, relief / 100.0, hollow], -1).astype(np.float16)
-
-
-def _bounds(splines: np.ndarray) -> list[np.ndarray]:
-    """Lowest and highest height of every node over all levels that cover it, with room for filters.
-
-    A B-spline lies between the least and the largest of the coefficients it is made of, so these bounds are
-    strict.
-    """
-    cells = 2 ** (BOUND_LEVELS - 1)
-    low, high = np.full((cells, cells), np.inf), np.full((cells, cells), -np.inf)
-    for age, h in enumerate(reversed(splines)):
-        covered = min(cells >> age, cells)
-        if covered == 0:
-            break
-        block = SIZE // covered
-        lowest = h.reshape(covered, block, covered, block).min((1, 3))
-        highest = h.reshape(covered, block, covered, block).max((1, 3))
-        a = (cells - covered) // 2
-        inner = (slice(a, a + covered),) * 2
-        low[inner], high[inner] = np.minimum(low[inner], lowest), np.maximum(high[inner], highest)
-    raw = [np.stack([low, high], -1)]
-    while len(raw) < BOUND_LEVELS:
-        raw.insert(0, _halved(raw[0]))
-    # A node of level q is drawn from filtered heights that reach a few vertex steps over its edge:
-    # dilate by a quarter of the node.
-    out = []
-    for q in range(BOUND_LEVELS):
-        finer = min(q + 2, BOUND_LEVELS - 1)
-        cell = _dilated(raw[finer])
-        for _ in range(finer - q):
-            cell = _halved(cell)
-        out.append(cell.astype(np.float32))
-    return out
-
-
-def _halved(bounds: np.ndarray) -> np.ndarray:
-    quarters = bounds.reshape(len(bounds) // 2, 2, len(bounds) // 2, 2, 2)
-    return np.stack([quarters[..., 0].min((1, 3)), quarters[..., 1].max((1, 3))], -1)
-
-
-def _dilated(bounds: np.ndarray) -> np.ndarray:
-    padded = np.pad(bounds, ((1, 1), (1, 1), (0, 0)), mode="edge")
-    n = len(bounds)
-    shifts = [padded[i : i + n, j : j + n] for i in range(3) for j in range(3)]
-    return np.stack([np.min([s[..., 0] for s in shifts], 0), np.max([s[..., 1] for s in shifts], 0)], -1)
+    return slope_east**2 + slope_north**2

@@ -20,6 +20,9 @@ class Quality:
     # terrain
     terrain_error_px: float = 1.5  # greatest error of a node's shape on the screen
     terrain_grid: int = 32  # quads along a node's side
+    terrain_spacing: float = 0.25  # m between the finest samples; a power of two
+    terrain_texel_px: float = 2.0  # width of a sample on the screen, as far as the windows allow
+    terrain_tiles: int = 24  # width of the clipmap's windows at most, in tiles of 32 samples
     terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
     terrain_planet_octaves: int = 8  # of noise on the globe beyond the terrain
     # frame
@@ -41,13 +44,16 @@ QUALITY: dict[str, Quality] = {
         transmittance_size=(128, 32),
         terrain_error_px=4.0,
         terrain_grid=16,
+        terrain_spacing=0.5,
+        terrain_texel_px=2.5,
+        terrain_tiles=16,
         terrain_bump_finest=0,
         terrain_planet_octaves=5,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
     ),
-    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1),
+    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1, terrain_tiles=20),
     "high": _HIGH,
     "ultra": replace(
         _HIGH,
@@ -57,6 +63,8 @@ QUALITY: dict[str, Quality] = {
         aerial_size=(48, 48, 48),
         aerial_steps=2,
         terrain_error_px=0.8,
+        terrain_texel_px=1.5,
+        terrain_tiles=32,
         terrain_bump_finest=-3,
         default_samples=32,
     ),
