@@ -123,8 +123,8 @@ def test_files_that_are_none(tmp_path):
     check_sentence(tmp_path / "text.npz", "not a readable .npz")
     (tmp_path / "text.tif").write_text("not a tiff")
     check_sentence(tmp_path / "text.tif", "not a readable TIFF")
-    (tmp_path / "a.png").write_bytes(b"")
-    check_sentence(tmp_path / "a.png", ".npz, .tif")
+    (tmp_path / "a.jpg").write_bytes(b"")
+    check_sentence(tmp_path / "a.jpg", ".npz, .tif")
     with pytest.raises(WorldError, match="jacksboro"):
         shipped_path("everest")
 

@@ -115,3 +115,13 @@ def utm_from_geographic(latitude, longitude, zone: int, south: bool):
     north = xi + sum(a * np.sin(2 * j * xi) * np.cosh(2 * j * eta) for j, a in enumerate(alpha, 1))
     scale = 0.9996 * rectifying
     return 5e5 + scale * east, (1e7 if south else 0.0) + scale * north
+
+
+def geographic_from_mercator(y):
+    """Spherical Mercator's distance from the equator, in degrees of longitude there → latitude, degrees."""
+    return np.degrees(np.arctan(np.sinh(np.radians(y))))
+
+
+def mercator_from_geographic(latitude):
+    """Latitude in degrees → distance from the equator as on a web map, in degrees of longitude there."""
+    return np.degrees(np.arcsinh(np.tan(np.radians(np.clip(latitude, -89.9, 89.9)))))

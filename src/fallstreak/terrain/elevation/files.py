@@ -1,0 +1,73 @@
+"""One file by its ending, or several as one grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...world.errors import WorldError
+from .checks import check_regular
+from .grid import ElevationGrid
+
+ENDINGS = (".npz", ".tif", ".tiff", ".hgt", ".zip", ".png")
+
+
+def read_elevation(paths: str | Path | Sequence[str | Path]) -> ElevationGrid:
+    """Read a file by its ending; several are joined.
+
+    The whole is read once, a few tiles or strips at a time, for a copy of at most 2048² samples
+    (`ElevationGrid.overview`); so what is damaged is known from here on.
+
+    Parameters
+    ----------
+    paths : path or sequence of paths
+        Where files overlap the finer one counts, of equally fine ones the first.
+
+    Raises
+    ------
+    WorldError
+        With file, key and what is allowed, for anything that is missing, broken or not understood.
+    """
+    one = isinstance(paths, (str, Path))
+    names = [Path(paths)] if one else [Path(path) for path in paths]
+    try:
+        grids = [_open(path) for path in names]
+        grid = grids[0] if len(grids) == 1 else _joined(grids)
+        grid.overview  # noqa: B018
+    except WorldError as error:
+        raise WorldError(f"terrain.file: {error}") from None
+    except OSError as error:
+        raise WorldError(f"terrain.file: {names[0]} cannot be read: {error.strerror or error}") from None
+    return grid
+
+
+def _joined(grids: list[ElevationGrid]) -> ElevationGrid:
+    from .mosaic import joined
+
+    return joined(grids)
+
+
+def _open(path: Path) -> ElevationGrid:
+    check_regular(path)
+    ending = path.suffix.lower()
+    if ending == ".npz":
+        from .npz import read_npz
+
+        return read_npz(path)
+    if ending in (".tif", ".tiff"):
+        from .geotiff import read_geotiff
+
+        return read_geotiff(path)
+    if ending == ".hgt" or path.name.lower().endswith(".hgt.zip"):
+        from .hgt import read_hgt
+
+        return read_hgt(path)
+    if ending == ".png":
+        from .png import read_png
+        from .terrarium import read_terrarium, tile_address
+
+        return read_terrarium(path) if tile_address(path) else read_png(path)
+    raise WorldError(
+        f'{path} ends in "{path.suffix[:40]}"; elevations are read from .npz, .tif, .tiff, .hgt, .hgt.zip '
+        "and .png"
+    )
