@@ -1,0 +1,191 @@
+"""Plateaus cut by gorges: float64 twin of ``canyons.wesl``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..octaves import octave_weight
+from .canyons_graded import Graded, away, blend, least, ramp, rounded_size
+from .canyons_network import gorges, waves
+from .canyons_strata import hardness, terrace
+from .shape import LandShape, land_values
+
+TALUS = 0.2  # share of the depth
+WALL = 0.175  # half the width of a wall on the map, over the relief
+BANK = 4.0  # m, of the gorge's floor above the river
+FALL = 0.0005  # of rivers and all the land, eastward
+
+
+class Canyons:
+    """See `world.terrain` for the meaning of the parameters.
+
+    Attributes
+    ----------
+    native : m, the step from which on only materials add detail
+    outside : m, height of the globe beyond the map
+    shift_bound : m, the largest shift of a sample from its place on the map
+    """
+
+    native = 1.0
+    shift_bound = 60.0
+
+    def __init__(self, terrain: Any, seed: int):
+        values = land_values(terrain)
+        self.base, self.relief = values["base_height"], values["relief"]
+        self.roughness, self.seed = values["roughness"], seed
+        self.power = int(np.clip(np.round(np.log2(values["feature_size"])), 10, 14))
+        self.outside = self.base
+
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest height anywhere, m."""
+        return self.base - self.relief - 160.0, self.base + 220.0
+
+    def bedding(self, east, north) -> Graded:
+        """Height of the plateau's uppermost layer."""
+        one = np.ones_like(east)
+        e, n = Graded(east, one, 0.0 * one), Graded(north, 0.0 * one, one)
+        return FALL * e + self.base + 60.0 * waves(e, n, 13, self.seed + 20)
+
+    def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
+        """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
+        east, north, step = np.broadcast_arrays(*(np.asarray(x, np.float64) for x in (east, north, step)))
+        seed, relief, span = self.seed, self.relief, 2.0**self.power
+        one, zero = np.ones_like(east), np.zeros_like(east)
+        e, n = Graded(east, one, zero), Graded(north, zero, one)
+
+        def noise(power, number):
+            return waves(e, n, power, seed + number) * octave_weight(power, step)
+
+        bedding = self.bedding(east, north)
+        river = FALL * e + (self.base - relief)
+        g = gorges(east, north, self.power, seed)
+
+        # alcoves and spurs of the walls
+        wave8, wave7, wave6, wave5 = noise(8, 30), noise(7, 31), noise(6, 32), noise(5, 33)
+        bays = 40.0 * wave8 + 26.0 * wave7 + 13.0 * wave6 + 6.0 * wave5
+        fans = 40.0 * wave7 - 26.0 * wave6
+        place = waves(e, n, 12, seed + 34)
+
+        # the plateau: domes of bare rock, shallow washes that lead to the heads of gorges
+        domes = (
+            26.0 * rounded_size(noise(8, 35), 0.04)
+            + 12.0 * rounded_size(noise(7, 36), 0.04)
+            + 6.0 * rounded_size(noise(6, 37), 0.05)
+        )
+        bare = ramp(noise(10, 38) + 0.5 * place, -0.25, 0.35)
+        plateau = bedding + domes * bare + 20.0 * noise(10, 38) - 6.0
+        wash = (1.0 - ramp(g.side, 0.0, 90.0)) * g.divide * g.side_there
+        plateau = plateau - 10.0 * wash
+
+        # the river's gorge, in places a wide valley with buttes
+        width = 0.46 * relief * (0.9 + 0.6 * place.value)
+        wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.12, 0.4).value
+        width = width + 1.5 * relief * wide
+        wall = g.main + bays
+        fade = np.clip(2.0 - 8.0 * step / span, 0.0, 1.0)
+        cut, foot = self._cut(wall, g.main + fans, width, step)
+        butte = away(noise(9, 43) + 0.5 * wave8 - 0.22, 4e-4)
+        kept = ramp(butte, -0.16 * relief, 0.16 * relief) * ramp(width - wall, 0.35 * relief, 0.8 * relief)
+        kept = kept * ramp(g.main, 60.0, 140.0)
+        cut = cut - cut * kept
+        y = blend(plateau, river + BANK, cut * fade)
+        open_ = _sky(wall.value, width, plateau.value - y.value)
+
+        # side canyons
+        mouth = ramp(g.main, 0.0, 0.2 * relief)
+        width = relief * (0.20 + 0.16 * g.side_width) * (1.0 - 0.45 * np.clip(g.side_share.value, 0.0, 1.0))
+        fade2 = np.clip(2.0 - 32.0 * step / span, 0.0, 1.0)
+        cut, _ = self._cut(g.side + bays, g.side + fans, width, step)
+        cut = cut * ramp(g.side_end + 0.7 * bays, -50.0, 50.0) * mouth * g.side_there * fade2
+        floor = blend(river + (BANK + 1.0), plateau, 0.04 + 0.5 * ramp(g.side_share, -0.2, 1.2))
+        y2 = blend(plateau, floor, cut)
+        open_ = np.minimum(open_, _sky(g.side.value + bays.value, width, plateau.value - y2.value))
+        y = least(y, y2, 14.0)
+
+        # slots
+        width = relief * (0.10 + 0.08 * g.slot_width) * (1.0 - 0.3 * np.clip(g.slot_share.value, 0.0, 1.0))
+        fade3 = np.clip(2.0 - 64.0 * step / span, 0.0, 1.0)
+        cut, _ = self._cut(g.slot + 0.6 * bays, g.slot + fans, width, step)
+        cut = (
+            cut
+            * ramp(g.slot_end + 0.5 * bays, -40.0, 40.0)
+            * mouth
+            * ramp(g.side, 0.0, 60.0)
+            * g.rooted
+            * g.slot_there
+        )
+        floor = blend(floor, plateau, 0.05 + 0.6 * ramp(g.slot_share, -0.2, 1.2))
+        y3 = blend(plateau, floor, cut * fade3)
+        open_ = np.minimum(open_, _sky(g.slot.value + 0.6 * bays.value, width, plateau.value - y3.value))
+        y = least(y, y3, 14.0)
+
+        # walls: layers
+        slope = y.slope
+        depth = y.value - bedding.value + 14.0 * waves(e, n, 11, seed + 41).value + 5.0 * wave8.value
+        rise, back, thick, under = terrace(depth, 0.25 + 0.9 * wave7.value, seed + 40)
+        steep = _smooth(slope, 0.75, 1.5)
+        carried = np.clip(2.0 - 4.0 * step * slope / thick, 0.0, 1.0)
+        per = 1.0 / np.maximum(slope, 0.75)
+        height = y.value + steep * carried * rise
+        # metres out from the wall
+        out = -steep * carried * back * per
+        out = out + hardness(depth + rise, seed + 42) * 2.2 * steep * octave_weight(4, 4.0 * step)
+
+        # what lies about: blocks on the talus, bars beside the river
+        rubble = _smooth(slope, 0.25, 0.5) * (1.0 - steep)
+        rough = 0.012 + 0.05 * rubble + 0.02 * steep
+        bumps = zero
+        for power in range(5, -1, -1):
+            bumps = bumps + 2.0**power * noise(power, 50).value
+        height = height + rough * (0.5 + self.roughness) * bumps
+
+        # the river's bed
+        room = np.clip(foot - 14.0, 0.0, 80.0)
+        channel = np.abs(g.line.value + room * np.clip(3.0 * waves(e, n, 9, seed + 44).value, -1.0, 1.0))
+        bed = np.maximum(9.0 + 8.0 * place.value, 0.8 * step)
+        bank = river.value - 2.5 + (BANK + 2.5) * _smooth(channel, 0.6 * bed, 1.8 * bed)
+        bank = bank + 2.0 * np.maximum(channel - 1.8 * bed, 0.0)
+        flows = np.clip(2.0 - step / 24.0, 0.0, 1.0)
+        height = height + flows * np.minimum(bank - height, 0.0)
+
+        spread = np.hypot(WALL * relief, step) / (WALL * relief)
+        lost = np.sqrt(slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - carried)) ** 2)
+        over = np.where(slope > 1e-3, out / np.maximum(slope, 1e-3), 0.0)
+        return LandShape(
+            height,
+            zero + river.value,
+            -over * y.east,
+            -over * y.north,
+            lost,
+            open_ * (1.0 - 0.4 * steep * carried * under),
+        )
+
+    def _cut(self, wall: Graded, foot: Graded, width, step):
+        """Share of the depth that is cut away at distances from the middle line; half the floor's width (m)."""
+        half = np.minimum(WALL * self.relief, 0.42 * width)
+        talus = np.minimum(TALUS / 1.2 * self.relief, 0.34 * width)
+        at = width - half - 0.3 * talus
+        cut = (1.0 - TALUS) * _trench(wall, width, np.hypot(half, step)) + TALUS * _trench(
+            foot, at, np.hypot(talus, step)
+        )
+        return cut, at - talus
+
+
+def _trench(d: Graded, width, half) -> Graded:
+    """A trench of a width on either side, convolved with a smooth kernel: its section's area stays the same."""
+    return ramp(width - d, -half, half) + ramp(d + width, -half, half) - 1.0
+
+
+def _sky(d, width, below):
+    """Share of the sky over a place in a trench, weighted by the cosine: half the sines of its two angles."""
+    below = np.maximum(below, 0.5)
+    d = np.abs(d)
+    near, far = np.maximum(width - d, 0.0) + 0.1 * below, width + d
+    return 0.5 * (near / np.hypot(near, below) + far / np.hypot(far, below))
+
+
+def _smooth(x, low, high):
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
