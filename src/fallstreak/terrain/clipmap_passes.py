@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from math import ceil, floor, hypot, log2, tan
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..gpu import FrameGraph, Struct
 from .clipmap import MAX_JOBS, MAX_LEVELS, TILE, Clipmap, packed_jobs
+from .cover import kind
 from .frame import TERRAIN_FRAME
 from .land.levels import Levels, first_octave
 from .land.shape import LAND, land_values
@@ -22,6 +22,7 @@ CLIP_JOBS = Struct(
         ("packed", f"array<vec4u, {MAX_JOBS // 4}>", "level << 16 | row << 8 | column, tiles to do"),
     ],
 )
+MIN_RANGE = 1.5  # of its own widths that a node is drawn up to, however coarse the picture
 MAX_DEPTH = 16  # of the quadtree: a node's column and row have 16 bits each
 SHORE = 512
 _KINDS = ("shape", "surface")
@@ -46,6 +47,7 @@ class ClipmapPasses:
     spacing : m between samples of level 0
     half : m, half the width of the quadtree: a power of two that holds the map
     levels : of the clipmap
+    range : the most widths away that a node can be drawn and lie in its level's window
     constants, flags : what shaders that look into the clipmap need
     """
 
@@ -66,6 +68,8 @@ class ClipmapPasses:
         self.spacing = 2.0**power
         tiles = _tiles(world, quality, size)
         reach = 16 * tiles - 48  # samples
+        # a node's parent begins within its range; the camera is within half a tile of the window's middle
+        self.range = (16 * tiles - 16) / grid - 2.5
         self.levels = min(ceil(log2(2.0 * model.extent / (reach * self.spacing))) + 1, MAX_LEVELS)
         # the root and its children are always cut
         self.levels = min(self.levels, round(log2(2.0 * self.half / (grid * self.spacing))) - 1)
@@ -79,7 +83,7 @@ class ClipmapPasses:
             "TILES": tiles,
             "SPACING": self.spacing,
             "SPACING_POWER": power,
-            "COVER": f"package::terrain::cover::{_cover(world.terrain.material)}",
+            "COVER": f"package::terrain::cover::{kind(world.terrain.material)}",
             **planet,
         }
         if isinstance(land, Levels):
@@ -190,9 +194,8 @@ def _tiles(world: Any, quality: Any, size: tuple[int, int]) -> int:
     fov = np.radians(min([camera.fov, *(key.fov for key in camera.keyframes if key.fov)]))
     pixel = 2.0 * tan(0.5 * fov) / size[1]
     grid, edge = quality.terrain_grid, 4.0 * quality.terrain_error_px
-    samples = max(1.0 / (quality.terrain_texel_px * pixel) + 48.0, 1.0 / (edge * pixel) + 2.5 * grid + 16.0)
+    samples = max(
+        1.0 / (quality.terrain_texel_px * pixel) + 48.0,
+        max(1.0 / (edge * pixel), MIN_RANGE * grid) + 2.5 * grid + 16.0,
+    )
     return int(min(2 * ceil(samples / TILE), quality.terrain_tiles))
-
-
-def _cover(material: str) -> str:
-    return material if (Path(__file__).parent / "cover" / f"{material}.wesl").is_file() else "plain"

@@ -9,9 +9,11 @@ import numpy as np
 
 from ..gpu import Device, FrameGraph
 from ..world.state import FrameState, map_coordinates
-from .clipmap_passes import ClipmapPasses
+from .clipmap_passes import MIN_RANGE, ClipmapPasses
+from .cover import palette as cover_palette
 from .frame import TERRAIN_FRAME
 from .land.levels import Levels
+from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
 
 MAX_NODES = 2048
@@ -33,9 +35,20 @@ class Terrain:
     quality : Quality
         ``terrain_error_px`` and ``terrain_grid``.
     size : (width, height)
+    show : "materials", optional
+        The shares of the base materials in six colours instead of the ground's own.
     """
 
-    def __init__(self, device: Device, graph: FrameGraph, world: Any, quality: Any, size: tuple[int, int]):
+    def __init__(
+        self,
+        device: Device,
+        graph: FrameGraph,
+        world: Any,
+        quality: Any,
+        size: tuple[int, int],
+        *,
+        show: str | None = None,
+    ):
         self.model: TerrainModel = terrain_model(world)
         self._grid = int(quality.terrain_grid)
         # Twice to four times the error is what one edge of the mesh may measure on the screen.
@@ -53,12 +66,13 @@ class Terrain:
         self.clip: ClipmapPasses | None = None
         if self.model.land is not None:
             self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
-            self._add_ground(graph)
+            add_materials(graph)
+            self._add_ground(graph, world, quality, show)
         self._fixed = self._fixed_values(world)
         self._frame.set(**self._fixed)
         self._add_globe(graph, planet)
 
-    def _add_ground(self, graph: FrameGraph) -> None:
+    def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, show: str | None) -> None:
         assert self.clip is not None
         graph.buffer_data("terrain.index", grid_indices(self._grid), usage=("index",))
         graph.buffer("terrain.nodes", 8 * MAX_NODES)
@@ -112,13 +126,20 @@ class Terrain:
                 "cover_a": "terrain.cover_a",
                 "cover_b": "terrain.cover_b",
                 "tint": "terrain.tint",
+                "material_color": "terrain.material_color",
+                "material_shape": "terrain.material_shape",
             },
             indirect="terrain.draws",
             index="terrain.index",
             indices=6 * self._grid**2,
             structs=[TERRAIN_FRAME],
-            constants=constants,
-            flags=self.clip.flags,
+            constants={**constants, **ground_constants(cover_palette(world.terrain.material))},
+            flags={
+                **self.clip.flags,
+                "TRIPLANAR": quality.terrain_detail >= 3,
+                "MATERIAL_COPIES": quality.terrain_detail >= 2,
+                "SHOW_MATERIALS": show == "materials",
+            },
         )
 
     def _add_globe(self, graph: FrameGraph, planet: dict[str, int]) -> None:
@@ -196,7 +217,7 @@ class Terrain:
         cell = (floor((east + half) / leaf), floor((north + half) / leaf))
         tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
         pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
-        above = max(height - self._ground_below(east, north), 0.0)
+        above = max(height - self._surface_below(east, north), 0.0)
         return {
             "camera_map": (east, north),
             "camera_height": height,
@@ -205,14 +226,15 @@ class Terrain:
             "camera_cell": cell,
             "tile": tile,
             "camera_above": above,
-            "range": max(1.0 / (self._grid * self._edge_px * pixel), 1.5),
+            "range": min(max(1.0 / (self._grid * self._edge_px * pixel), MIN_RANGE), self.clip.range),
             **self.clip.move(east, north, above * pixel),
         }
 
-    def _ground_below(self, east: float, north: float) -> float:
-        """Rough height of the ground at a place: enough for the level of detail."""
+    def _surface_below(self, east: float, north: float) -> float:
+        """Rough height of ground or water at a place: enough for the level of detail."""
         if self._below[0] != (east, north):
-            self._below = (east, north), float(self.model.shape(east, north, 16.0).height)
+            found = self.model.shape(east, north, 16.0)
+            self._below = (east, north), float(np.maximum(found.height, found.water))
         return self._below[1]
 
 
