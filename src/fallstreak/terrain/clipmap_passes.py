@@ -9,7 +9,7 @@ import numpy as np
 
 from ..gpu import FrameGraph, Struct
 from .clipmap import MAX_JOBS, MAX_LEVELS, TILE, Clipmap, packed_jobs
-from .cover import kind
+from .cover import kind as cover_kind
 from .frame import TERRAIN_FRAME
 from .land.levels import Levels, first_octave
 from .land.shape import LAND, land_values
@@ -83,7 +83,7 @@ class ClipmapPasses:
             "TILES": tiles,
             "SPACING": self.spacing,
             "SPACING_POWER": power,
-            "COVER": f"package::terrain::cover::{kind(world.terrain.material)}",
+            "COVER": f"package::terrain::cover::{cover_kind(world.terrain.material)}",
             **planet,
         }
         if isinstance(land, Levels):

@@ -24,6 +24,7 @@ class Quality:
     terrain_texel_px: float = 2.0  # width of a sample on the screen, as far as the windows allow
     terrain_tiles: int = 24  # width of the clipmap's windows at most, in tiles of 32 samples
     terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
+    terrain_detail: int = 3  # of materials: 1 plain, 2 without visible tiles, 3 also on walls
     terrain_planet_octaves: int = 8  # of noise on the globe beyond the terrain
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
@@ -45,6 +46,7 @@ QUALITY: dict[str, Quality] = {
         terrain_error_px=4.0,
         terrain_grid=16,
         terrain_spacing=0.5,
+        terrain_detail=1,
         terrain_texel_px=2.5,
         terrain_tiles=16,
         terrain_bump_finest=0,
@@ -53,7 +55,9 @@ QUALITY: dict[str, Quality] = {
         temporal_fast=True,
         default_samples=1,
     ),
-    "medium": replace(_HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1, terrain_tiles=20),
+    "medium": replace(
+        _HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1, terrain_detail=2, terrain_tiles=20
+    ),
     "high": _HIGH,
     "ultra": replace(
         _HIGH,
