@@ -1,7 +1,7 @@
 """One frame from end to end: which passes there are, between which resources.
 
-    G-buffer (terrain) → lighting → sky, moon, stars → temporal or accumulated anti-aliasing → exposure meter
-    → bloom → tone map
+    G-buffer (terrain, models) → lighting → sky, moon, stars → temporal or accumulated anti-aliasing
+    → exposure meter → bloom → tone map
 
 The systems and the parts of the frame add their own passes; the graph finds the order. This file only says
 who takes part.
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fallstreak.gpu import EXPOSURE, FrameGraph
+from fallstreak.models.passes import Models
 from fallstreak.sky.passes import Sky
 from fallstreak.terrain.passes import Terrain
 
@@ -26,6 +27,7 @@ from .temporal import Temporal, sequence_jitter
 from .tonemap import ToneMap
 
 if TYPE_CHECKING:
+    from fallstreak.models.poses import PlacedModels
     from fallstreak.world import World
     from fallstreak.world.quality import Quality
     from fallstreak.world.state import FrameState
@@ -40,6 +42,8 @@ class Pipeline:
         In which the uniform `view` is declared.
     world, quality, size
         What to draw, how finely, how large.
+    models : PlacedModels
+        The world's models, loaded.
     temporal : bool
         Anti-aliasing over frames; else the mean over a frame's samples.
     bits : 8 or 16
@@ -57,6 +61,7 @@ class Pipeline:
         world: World,
         quality: Quality,
         size: tuple[int, int],
+        models: PlacedModels,
         *,
         temporal: bool,
         bits: Literal[8, 16] = 8,
@@ -66,6 +71,7 @@ class Pipeline:
         graph.texture("frame.hdr", "rgba16float", size)
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size)
+        self.models = Models(graph, models)
         add_lighting(graph, world, quality, size)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)
@@ -94,6 +100,7 @@ class Pipeline:
         """
         self.sky.update(state)
         self.terrain.update(state)
+        self.models.update(state)
         self.exposure.update(delta, instant=instant)
         if isinstance(self._resolve, Temporal):
             self._resolve.update(reset=self._fresh)

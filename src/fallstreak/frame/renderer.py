@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 
 from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, GpuError, Pending
+from fallstreak.models.poses import PlacedModels
 from fallstreak.world.quality import QUALITY, Quality
 from fallstreak.world.state import (
     CameraState,
@@ -126,6 +127,8 @@ class Renderer:
         self._position: int | None = None
         self._cameras: dict[Pose, CameraState] = {}
         self._closed = False
+        self.models = PlacedModels(world)
+        """The world's models by name, to be moved between frames."""
         self.device = Device.open(adapter)
         self._build()
 
@@ -185,7 +188,13 @@ class Renderer:
         self.graph = FrameGraph(self.device)
         self._view = self.graph.uniform("view", VIEW)
         self.pipeline = Pipeline(
-            self.graph, self.world, self.quality, self.size, temporal=self.temporal, bits=self.bits
+            self.graph,
+            self.world,
+            self.quality,
+            self.size,
+            self.models,
+            temporal=self.temporal,
+            bits=self.bits,
         )
         self.graph.output("frame.ldr", *self._sources().values())
         self.graph.compile()
@@ -203,7 +212,9 @@ class Renderer:
 
     def _advance(self, index: int, pending: PendingFrame) -> None:
         """Render frame `index` after the last one, or as a new beginning."""
-        if self._position is None or index != self._position + 1 or self.still:
+        fresh = self._position is None or index != self._position + 1 or self.still
+        self.models.latch(index, fresh)
+        if fresh:
             # A new beginning: nothing of what was rendered before may shine through.
             self._kept, self._keeping, self._log = None, None, []
             self._settled = False

@@ -220,6 +220,14 @@ class Compiled:
         self.device.queue.write_buffer(self._uniform_buffer, low, bytes(self._uniform_bytes[low:high]))
         return 1
 
+    def upload(self, name: str, data: np.ndarray) -> None:
+        """Overwrite the start of a buffer, from the next frame on; see `FrameGraph.upload`."""
+        size = self.buffers[name].size
+        if data.nbytes > size:
+            raise GraphError(f"{data.nbytes:,} bytes do not fit into {name!r} of {size:,}")
+        if name in self.physical and data.nbytes:
+            self.device.queue.write_buffer(self.physical[name].at(0), 0, np.ascontiguousarray(data))
+
     # ---- looking in ------------------------------------------------------------------------------------
 
     def read_async(self, name: str, mip: int = 0) -> Pending:

@@ -121,6 +121,7 @@ class FrameGraph(Declarations):
         vertices: int | Callable[[], int] = 3,
         instances: int | Callable[[], int] = 1,
         indirect: str | None = None,
+        indirect_offset: int = 0,
         index: str | None = None,
         indices: int = 0,
         flags: Mapping[str, bool] | None = None,
@@ -139,7 +140,7 @@ class FrameGraph(Declarations):
             Without it the depth is only tested, and may be bound as a texture at the same time.
         blend : None, "add", "over" (premultiplied alpha) or "multiply"
         indirect : str, optional
-            Buffer with the draw's arguments; with `index` those of an indexed draw.
+            Buffer with the draw's arguments, from byte `indirect_offset`; with `index` those of an indexed draw.
         index, indices
             Index buffer (uint32) and, without `indirect`, number of indices.
         vertex_module : str, optional
@@ -192,6 +193,7 @@ class FrameGraph(Declarations):
                 made.physical[indirect].at(0) if indirect else None,
                 made.physical[index].at(0) if index else None,
                 indices,
+                indirect_offset,
             )
 
         self._add(PassDecl(name, reads, writes, build, order, when))
@@ -320,6 +322,10 @@ class FrameGraph(Declarations):
             When the GPU has gone away; nothing of the graph can be used afterwards.
         """
         return self.compiled.execute(read)
+
+    def upload(self, name: str, data: np.ndarray) -> None:
+        """Overwrite the start of a `buffer_data`, from the next frame on."""
+        self.compiled.upload(name, data)
 
     def read_async(self, name: str, mip: int = 0) -> Pending:
         """Start reading a resource as the last frame left it; `.result()` waits for it."""

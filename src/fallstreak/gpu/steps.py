@@ -103,12 +103,14 @@ class RenderStep(Step):
         indirect: Any,
         index: Any,
         indices: int,
+        indirect_offset: int = 0,
     ):
         super().__init__(name)
         self._pipeline, self._groups, self._descriptors = pipeline, groups, descriptors
         self._color, self._depth = color, depth
         self._vertices, self._instances = vertices, instances
         self._indirect, self._index, self._indices = indirect, index, indices
+        self._indirect_offset = indirect_offset
 
     def timed(self, timestamps: dict[str, Any] | None) -> None:
         for descriptor in self._descriptors:
@@ -136,9 +138,11 @@ class RenderStep(Step):
             calls += 1
         instances: Any = self._instances() if callable(self._instances) else self._instances
         if self._indirect is not None and self._index is not None:
-            lib.wgpuRenderPassEncoderDrawIndexedIndirect(draw, handle(self._indirect), 0)
+            lib.wgpuRenderPassEncoderDrawIndexedIndirect(
+                draw, handle(self._indirect), self._indirect_offset
+            )
         elif self._indirect is not None:
-            lib.wgpuRenderPassEncoderDrawIndirect(draw, handle(self._indirect), 0)
+            lib.wgpuRenderPassEncoderDrawIndirect(draw, handle(self._indirect), self._indirect_offset)
         elif self._index is not None:
             lib.wgpuRenderPassEncoderDrawIndexed(draw, self._indices, instances, 0, 0, 0)
         else:
