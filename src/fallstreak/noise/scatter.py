@@ -14,13 +14,19 @@ def hash_lattice(x: np.ndarray, y: np.ndarray, seed: int) -> np.ndarray:
     seed : int
     """
     with np.errstate(over="ignore"):
-        row = _mix(np.asarray(y).astype(np.uint32) + np.uint32(seed & 0xFFFFFFFF) * np.uint32(0x9E3779B1))
-        return _mix(np.asarray(x).astype(np.uint32) + row)
+        row = mix_bits(np.asarray(y).astype(np.uint32) + np.uint32(seed & 0xFFFFFFFF) * np.uint32(0x9E3779B1))
+        return mix_bits(np.asarray(x).astype(np.uint32) + row)
 
 
-def _mix(h: np.ndarray) -> np.ndarray:
-    # A bijection of 32 bits with low bias (constants found by search: C. Wellons, "hash prospector").
+def mix_bits(h: np.ndarray) -> np.ndarray:
+    """A bijection of 32 bits with low bias (constants found by search: C. Wellons, "hash prospector")."""
     h = np.asarray(h, np.uint32)
-    h = (h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D)
-    h = (h ^ (h >> np.uint32(15))) * np.uint32(0x846CA68B)
+    with np.errstate(over="ignore"):
+        h = (h ^ (h >> np.uint32(16))) * np.uint32(0x7FEB352D)
+        h = (h ^ (h >> np.uint32(15))) * np.uint32(0x846CA68B)
     return h ^ (h >> np.uint32(16))
+
+
+def unit_float(h: np.ndarray) -> np.ndarray:
+    """Hashes as numbers from 0 to 1, exclusive."""
+    return (h >> np.uint32(8)) / 16777216.0
