@@ -10,7 +10,7 @@ from ..octaves import octave_weight
 from .canyons_graded import Graded, away, blend, least, ramp, rounded_size
 from .canyons_network import gorges, waves
 from .canyons_strata import hardness, terrace
-from .shape import LandShape, land_values
+from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
@@ -31,11 +31,10 @@ class Canyons:
     native = 1.0
     shift_bound = 60.0
 
-    def __init__(self, terrain: Any, seed: int):
-        values = land_values(terrain)
-        self.base, self.relief = values["base_height"], values["relief"]
-        self.roughness, self.seed = values["roughness"], seed
-        self.power = int(np.clip(np.round(np.log2(values["feature_size"])), 10, 14))
+    def __init__(self, land: Any, seed: int):
+        self.base, self.relief = land.base_height, land.relief
+        self.roughness, self.seed = land.roughness, seed
+        self.power = int(np.clip(np.round(np.log2(land.feature_size)), 10, 14))
         self.outside = self.base
 
     def bounds(self) -> tuple[float, float]:
