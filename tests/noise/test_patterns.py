@@ -53,6 +53,14 @@ def test_any_seed_and_shape_will_do():
     assert patterns.value(0.5, 0.5, 1).shape == ()
 
 
+def test_one_place_gives_what_it_gives_among_many():
+    x, y = points(200)
+    among = np.array(patterns.slope(x, y, 9))
+    alone = np.array([patterns.slope(float(a), b, 9) for a, b in zip(x, y, strict=True)]).T
+    assert np.abs(among - alone).max() < 1e-14
+    assert np.isnan(patterns.value(np.nan, 0.0, 1))
+
+
 def test_hash_is_a_uint32_of_the_place_modulo_its_range():
     h = hash_lattice(np.arange(1000), np.zeros(1000, int), 0)
     assert h.dtype == np.uint32 and len(np.unique(h)) == 1000

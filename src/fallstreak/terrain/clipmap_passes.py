@@ -167,11 +167,11 @@ class ClipmapPasses:
         finest = int(np.clip(floor(log2(max(0.5 * footprint, 1e-6) / self.spacing)), 0, self.levels - 1))
         away = hypot(east, north)
         inside = min(1.0, self._extent / away) if away > 0.0 else 1.0
-        self.clip.move(east * inside, north * inside, finest)
-        for kind in _KINDS:
-            self._new[kind] = self.clip.jobs(kind)
-            if len(self._new[kind]):
-                self._jobs[kind].set(windows=self.clip.windows, packed=packed_jobs(self._new[kind]))
+        if self.clip.move(east * inside, north * inside, finest):
+            for kind in _KINDS:
+                self._new[kind] = self.clip.jobs(kind)
+                if len(self._new[kind]):
+                    self._jobs[kind].set(windows=self.clip.windows, packed=packed_jobs(self._new[kind]))
         wrap = self.clip.tiles * TILE << self.levels
         sample = [floor(x / self.spacing) for x in (east, north)]
         return {
