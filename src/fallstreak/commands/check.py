@@ -25,7 +25,7 @@ def check(
     """
     from fallstreak import UserError, load
     from fallstreak.terrain.elevation import read_elevation
-    from fallstreak.terrain.model import shipped_path
+    from fallstreak.terrain.model import elevation_paths
 
     if not scenes:
         raise UserError("nothing to check: name a scene file, such as fallstreak check my-scene.toml")
@@ -36,7 +36,7 @@ def check(
             if world.terrain.source == "file":
                 # Building the ground takes seconds; whether its file can be read is known at once.
                 try:
-                    read_elevation(world.terrain.path or shipped_path(world.terrain.file))
+                    read_elevation(elevation_paths(world.terrain))
                 except UserError as error:
                     raise UserError(f"{scene}: {error}") from None
         except UserError as error:

@@ -18,9 +18,12 @@ from typing import TYPE_CHECKING, Any
 from fallstreak.output.exr import read_exr_text
 from fallstreak.output.npz import read_npz_text
 from fallstreak.output.png import read_png_text
+from fallstreak.world.files import sidecars
+from fallstreak.world.terrain import is_path
 
 if TYPE_CHECKING:
     from fallstreak.world import World
+    from fallstreak.world.terrain import Terrain
 
 KEYWORD = "fallstreak"
 
@@ -104,11 +107,27 @@ def is_whole(path: str | os.PathLike, expected: Mapping[str, Any] | None = None)
 def world_digest(world: World) -> str:
     """Sixteen hexadecimal digits that differ when anything in the world differs.
 
-    Of an elevation file it is the contents that count, not where it lies: the same on every machine.
+    Of elevation files it is the contents that count, not where they lie: the same on every machine.
     """
     values = world.model_dump(mode="json")
-    path = world.terrain.path if world.terrain.source == "file" else None
-    if path and path.is_file():
-        with open(path, "rb") as file:
-            values["terrain"]["file"] = hashlib.file_digest(file, "sha256").hexdigest()
+    if world.terrain.source == "file" and world.terrain.paths:
+        values["terrain"]["file"] = _files_digest(world.terrain)
     return hashlib.sha256(canonical(values).encode()).hexdigest()[:16]
+
+
+def _files_digest(terrain: Terrain) -> str | list[str]:
+    """Of each elevation file; a lone .npz or .tif says everything by its contents."""
+    digests = [name for name in terrain.names if not is_path(name)]
+    for path in terrain.paths:
+        # SRTM and Terrarium tiles lie where their names say, a picture where the file beside it says.
+        named = path.suffix.lower() not in (".npz", ".tif", ".tiff")
+        parts = ["/".join(path.parts[-3:] if path.stem.isdigit() else path.parts[-1:])] if named else []
+        digests.append(":".join([*parts, *(_file_digest(file) for file in (path, *sidecars(path)))]))
+    return digests[0] if len(digests) == 1 else digests
+
+
+def _file_digest(path: Path) -> str:
+    if not path.is_file():
+        return "missing"
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..world.errors import WorldError
+from ..world.files import elevation_files, sidecars
+from ..world.terrain import is_path
 from .continuation import FileLand
 from .elevation import ElevationGrid, read_elevation
 from .fractal import FractalLand
@@ -88,19 +90,37 @@ def shipped_path(name: str) -> Path:
     if name not in SHIPPED:
         raise WorldError(
             f'terrain.file is "{name[:60]}"; allowed are the shipped '
-            f"models ({', '.join(SHIPPED)}) or a path to a .npz or .tif"
+            f"models ({', '.join(SHIPPED)}) and paths, which hold a dot or a slash"
         )
     with as_file(files("fallstreak.terrain") / "data" / f"{name}.npz") as path:
         return path
 
 
+def elevation_paths(terrain: Any) -> tuple[Path, ...]:
+    """The elevation files of a world's terrain, folders and patterns searched, in the order given."""
+    return tuple(
+        path
+        for name in terrain.names
+        for path in (elevation_files(name) if is_path(name) else [shipped_path(name)])
+    )
+
+
+def _stamp(path: Path) -> tuple[str, int]:
+    """A file and when it was last changed: 0 where that cannot be known, as its reader will say."""
+    try:
+        return str(path), path.stat().st_mtime_ns
+    except OSError:
+        return str(path), 0
+
+
 def terrain_model(world: Any) -> TerrainModel:
     """The ground of a world; kept for the worlds asked last, because building it takes seconds."""
     t = world.terrain
+    paths = elevation_paths(t) if t.source == "file" else ()
     key = (
         t.source,
-        str(t.path) if t.path else t.file,
-        t.path.stat().st_mtime_ns if t.path and t.path.is_file() else 0,
+        paths,
+        tuple(_stamp(file) for path in paths for file in (path, *sidecars(path))),
         t.material,
         t.extent,
         t.surroundings,
@@ -116,7 +136,7 @@ def terrain_model(world: Any) -> TerrainModel:
 
 @lru_cache(maxsize=4)
 def _build(key: tuple) -> TerrainModel:
-    source, file, _, material, extent, surroundings, exaggeration, octaves, values, place, radius, seed = key
+    source, paths, _, material, extent, surroundings, exaggeration, octaves, values, place, radius, seed = key
     if source == "none":
         return TerrainModel(None, radius, extent)
     land = SimpleNamespace(**dict(values))
@@ -138,8 +158,7 @@ def _build(key: tuple) -> TerrainModel:
             dry=material == "mars",
         )
     else:
-        path = Path(file) if Path(file).suffix else shipped_path(file)
-        grid = read_elevation(path)
+        grid = read_elevation(paths)
         _check_near(grid, place, radius, extent)
         heights = FileLand(grid, place, radius, surroundings, seed, exaggeration)
     island = source == "file" and surroundings == "sea"
@@ -148,9 +167,11 @@ def _build(key: tuple) -> TerrainModel:
 
 
 def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> None:
-    rows, columns = grid.heights.shape
+    rows, columns = grid.shape
     c, r = np.meshgrid(np.linspace(0, columns - 1, 9), np.linspace(0, rows - 1, 9))
-    east, north = grid.map_position(c.ravel(), r.ravel(), place, radius)
+    column, row = grid.pixels(0.0, 0.0, place, radius)
+    c, r = np.append(c, np.clip(column, 0, columns - 1)), np.append(r, np.clip(row, 0, rows - 1))
+    east, north = grid.map_position(c, r, place, radius)
     nearest = float(np.hypot(east, north).min())
     if nearest > extent:
         raise WorldError(

@@ -78,6 +78,8 @@ def _words(node: dict[str, Any], element: bool = False) -> str:
     if kind == "array":
         if element:
             return _words(node["items"])
+        if "prefixItems" not in node:
+            return "a list of strings" if node["items"].get("type") == "string" else "a list"
         return "three numbers " + _words(node["prefixItems"][0]).removeprefix("a number ")
     if kind == "boolean":
         return "true or false"

@@ -67,10 +67,14 @@ def loads(text: str, overrides: Iterable[str] | Mapping[str, Any] = (), folder: 
 def build(layers: list[Layer], folder: Path | None) -> World:
     """One world of several layers, the later over the earlier, whose files exist."""
     world = World.from_layers(layers, folder)
-    path = world.terrain.path
-    if world.terrain.source == "file" and path and not is_file(path):
+    if world.terrain.source == "file":
         where = origin(("terrain", "file"), layers)
-        raise WorldError(f"{where}terrain.file = {shorten(str(path), 120)}, but there is no such file")
+        try:
+            missing = next((path for path in world.terrain.paths if not is_file(path)), None)
+        except WorldError as error:
+            raise WorldError(f"{where}terrain.file: {error}") from None
+        if missing:
+            raise WorldError(f"{where}terrain.file = {shorten(str(missing), 120)}, but there is no such file")
     for index, model in enumerate(world.models):
         if model.path and not is_file(model.path):
             where = origin(("models", index, "file"), layers)

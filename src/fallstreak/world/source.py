@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .errors import WorldError, shorten
 from .explain import Layer
-from .terrain import is_path
+from .terrain import with_paths
 from .trees import Tree, models_in, plain
 
 MAX_BYTES = 1 << 20
@@ -85,12 +85,13 @@ def _lower(message: str) -> str:
 
 def _confine(tree: Tree, label: str, folder: Path | None) -> None:
     terrain = tree.get("terrain")
-    file = terrain.get("file") if isinstance(terrain, dict) else None
-    if isinstance(terrain, dict) and isinstance(file, str) and is_path(file):
-        terrain["file"] = str(inside(file, folder, label, "terrain.file"))
+    if isinstance(terrain, dict) and "file" in terrain:
+        terrain["file"] = with_paths(
+            terrain["file"], lambda name: str(inside(name, folder, label, "terrain.file"))
+        )
     for index, model in enumerate(models_in(tree)):
-        if is_path(model["file"]):
-            model["file"] = str(inside(model["file"], folder, label, f"models[{index}].file"))
+        key = f"models[{index}].file"
+        model["file"] = with_paths(model["file"], lambda name, key=key: str(inside(name, folder, label, key)))
 
 
 def inside(name: str, folder: Path | None, label: str, key: str) -> Path:

@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import PrivateAttr, model_validator
+from pydantic import PlainValidator, PrivateAttr, model_validator
 
 from . import queries
 from .errors import WorldError
 from .fields import Number, Section, Whole, choice, quantity
+from .files import elevation_files
 
 if TYPE_CHECKING:
     from .world import World
+
+
+_LONGEST, _MOST_ENTRIES = 4096, 256
+
+
+def _names(value: Any) -> str | tuple[str, ...]:
+    entries = tuple(value) if isinstance(value, (list, tuple)) else (value,)
+    if not all(isinstance(entry, str) and len(entry) <= _LONGEST for entry in entries):
+        raise ValueError(f"it must be a path or a list of paths, each of at most {_LONGEST} characters")
+    if isinstance(value, str):
+        return value
+    if not 1 <= len(entries) <= _MOST_ENTRIES or "" in entries:
+        raise ValueError(f"a list must name 1 to {_MOST_ENTRIES} files, none of them by an empty name")
+    return entries
+
+
+Files = Annotated[str | tuple[str, ...], PlainValidator(_names, json_schema_input_type=str | list[str])]
+"""One path or several."""
 
 
 class Terrain(Section):
@@ -24,10 +44,10 @@ class Terrain(Section):
         "(ranges and plains, on Mars craters), canyons (plateaus cut by gorges), alpine (eroded mountains), "
         "plains, dunes.",
     )
-    file: str = choice(
+    file: Files = choice(
         "",
-        max_length=4096,
-        doc="For source file: a .npz or .tif beside the scene, or the name of a shipped model (jacksboro).",
+        doc="For source file: elevations beside the scene (.npz, .tif, .hgt, .png, tiles z/x/y.png), a "
+        "folder of them, a pattern (dem/*.hgt) or a shipped model's name (jacksboro); several are joined.",
     )
     material: Literal["temperate", "mars", "canyon", "alpine", "coast", "dunes"] = choice(
         "temperate",
@@ -77,13 +97,23 @@ class Terrain(Section):
     @model_validator(mode="after")
     def _file_is_named(self) -> Self:
         if self.source == "file" and not self.file:
-            raise ValueError('source is "file" but file is empty: name a .npz, a .tif or a shipped model')
+            raise ValueError('source is "file" but file is empty: name elevations or a shipped model')
         return self
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """What ``file`` holds: absolute paths, folders and patterns, and shipped models' names."""
+        return (self.file,) if isinstance(self.file, str) else self.file
+
+    @property
     def path(self) -> Path | None:
-        """The elevation file (absolute), or None where ``file`` is empty or names a shipped model."""
-        return Path(self.file) if is_path(self.file) else None
+        """The elevation file (absolute); None where ``file`` is empty, a shipped model's name or a list."""
+        return Path(self.file) if isinstance(self.file, str) and is_path(self.file) else None
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """All elevation files that are paths, folders and patterns searched; WorldError if none are."""
+        return tuple(path for name in self.names if is_path(name) for path in elevation_files(name))
 
     def height(self, east: Any, north: Any) -> Any:
         """Height of the ground above sea level.
@@ -106,6 +136,15 @@ class Terrain(Section):
 def is_path(name: str) -> bool:
     """Whether ``terrain.file`` is a path (it has a folder or a suffix) and not a shipped model's name."""
     return "/" in name or "\\" in name or "." in name
+
+
+def with_paths(file: Any, change: Callable[[str], str]) -> Any:
+    """``terrain.file`` as it was given, each path in it changed; what is no path or no text stays."""
+    if isinstance(file, str):
+        return change(file) if is_path(file) else file
+    if isinstance(file, (list, tuple)):
+        return [with_paths(name, change) if isinstance(name, str) else name for name in file]
+    return file
 
 
 PRESETS: dict[str, dict[str, Any]] = {

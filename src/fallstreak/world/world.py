@@ -27,7 +27,7 @@ from .place import Place
 from .planet import PRESETS, Planet
 from .sky import Sky
 from .terrain import PRESETS as LANDS
-from .terrain import Terrain, is_path
+from .terrain import Terrain, with_paths
 from .trees import Tree, assign, merge, models_in, plain
 
 
@@ -180,9 +180,9 @@ def _named(presets: Mapping[str, Any], section: Any, key: str) -> Any:
 def absolute(tree: Tree) -> None:
     """Resolve a path given in Python or on the command line against the current directory."""
     terrain = tree.get("terrain")
-    file = terrain.get("file") if isinstance(terrain, dict) else None
-    if isinstance(terrain, dict) and isinstance(file, str) and is_path(file) and "\0" not in file:
-        terrain["file"] = os.path.abspath(os.path.expanduser(file))
-    for model in models_in(tree):
-        if is_path(model["file"]) and "\0" not in model["file"]:
-            model["file"] = os.path.abspath(os.path.expanduser(model["file"]))
+    tables = [terrain] if isinstance(terrain, dict) and "file" in terrain else []
+    for named in [*tables, *models_in(tree)]:
+        named["file"] = with_paths(
+            named["file"],
+            lambda name: name if "\0" in name else os.path.abspath(os.path.expanduser(name)),
+        )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import WorldError, shorten
 from .source import parse_layer, read_text
+from .terrain import is_path, with_paths
 from .trees import assign, plain
 
 if TYPE_CHECKING:
@@ -29,10 +30,9 @@ def to_toml(world: World) -> str:
     if preset != "earth":
         values["planet"] = {"preset": preset} | values.get("planet", {})
     terrain = values.get("terrain", {})
-    if world.folder and world.terrain.path and "file" in terrain:
-        root = world.folder.resolve()
-        if world.terrain.path.resolve().is_relative_to(root):
-            terrain["file"] = world.terrain.path.resolve().relative_to(root).as_posix()
+    if world.folder and "file" in terrain:
+        here = world.folder.resolve()
+        terrain["file"] = with_paths(terrain["file"], lambda name: _relative(name, here))
     for model, given in zip(world.models, values.get("models", []), strict=False):
         root = world.folder.resolve() if world.folder else None
         if root and model.path and model.path.resolve().is_relative_to(root):
@@ -47,6 +47,15 @@ def to_toml(world: World) -> str:
             frames.append(tomlkit.item(frame))
         camera.add("keyframes", frames)
     return tomlkit.dumps(document)
+
+
+def _relative(name: str, root: Path) -> str:
+    """A path counted from the scene's folder if it lies in it."""
+    path = Path(name).resolve()
+    if not path.is_relative_to(root):
+        return name
+    short = path.relative_to(root).as_posix()
+    return short if is_path(short) else f"./{short}"
 
 
 def _differences(model: Any, default: Any) -> dict[str, Any]:
@@ -64,7 +73,8 @@ def _differences(model: Any, default: Any) -> dict[str, Any]:
         elif value is None:
             found[name] = "auto"
         elif isinstance(value, tuple):
-            found[name] = value[0] if value[0] == value[1] == value[2] else list(value)
+            grey = len(value) == 3 and value[0] == value[1] == value[2] and not isinstance(value[0], str)
+            found[name] = value[0] if grey else list(value)
         else:
             found[name] = value
     return found

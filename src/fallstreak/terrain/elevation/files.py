@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +10,8 @@ from ...world.errors import WorldError
 from .checks import check_regular
 from .grid import ElevationGrid
 
-ENDINGS = (".npz", ".tif", ".tiff", ".hgt", ".zip", ".png")
+_log = logging.getLogger("fallstreak.terrain")
+_MOST_NOTES = 5  # files whose voids are said one by one
 
 
 def read_elevation(paths: str | Path | Sequence[str | Path]) -> ElevationGrid:
@@ -33,12 +35,27 @@ def read_elevation(paths: str | Path | Sequence[str | Path]) -> ElevationGrid:
     try:
         grids = [_open(path) for path in names]
         grid = grids[0] if len(grids) == 1 else _joined(grids)
-        grid.overview  # noqa: B018
+        unknown = grid.overview.unknown
     except WorldError as error:
         raise WorldError(f"terrain.file: {error}") from None
     except OSError as error:
         raise WorldError(f"terrain.file: {names[0]} cannot be read: {error.strerror or error}") from None
+    for note in _notes(unknown):
+        _log.warning(note)
     return grid
+
+
+def _notes(unknown: dict[str, int]) -> list[str]:
+    """Which samples the picture shows although no file knows them."""
+    names = list(unknown)
+    notes = [
+        f"{name}: {unknown[name]:,} samples hold no height; they are filled from around" for name in names
+    ]
+    if len(notes) > _MOST_NOTES:
+        rest = sum(unknown[name] for name in names[_MOST_NOTES:])
+        more = len(names) - _MOST_NOTES
+        notes[_MOST_NOTES:] = [f"{more} more elevation files: {rest:,} samples hold no height"]
+    return notes
 
 
 def _joined(grids: list[ElevationGrid]) -> ElevationGrid:
