@@ -2,80 +2,14 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-
 import numpy as np
 import pytest
+from ground import SIZE, VIEWS, Ground
 
-import fallstreak as fs
-from fallstreak.frame.gbuffer import COLOR, DEPTH, add_gbuffer
-from fallstreak.gpu import VIEW, FrameGraph
-from fallstreak.terrain.passes import Terrain
+from fallstreak.frame.gbuffer import DEPTH
 from fallstreak.terrain.projection import map_from_world, world_from_map
-from fallstreak.terrain.selection import morphed, select_nodes
-from fallstreak.world.quality import QUALITY
-from fallstreak.world.state import (
-    CameraState,
-    FrameState,
-    camera_rotation,
-    local_axes,
-    position_on_planet,
-    view_values,
-)
-
-SIZE = (160, 90)
-#: east, north, metres above ground, heading, pitch (degrees)
-VIEWS = {
-    "eye": (0.0, 0.0, 1.7, 135.0, -5.0),
-    "down": (-5200.0, 3100.0, 30.0, 10.0, -80.0),
-    "hill": (2000.0, -4000.0, 300.0, 300.0, -12.0),
-    "border": (15_500.0, 1000.0, 1200.0, 60.0, -20.0),
-    "far": (70_000.0, 50_000.0, 400.0, 225.0, -10.0),
-    "high": (0.0, -40_000.0, 30_000.0, 0.0, -40.0),
-    "orbit": (0.0, -200_000.0, 400_000.0, 0.0, -50.0),
-}
-
-
-class Ground:
-    """The terrain's passes alone, drawn into a G-buffer."""
-
-    def __init__(self, device, scene="jacksboro", quality="low", overrides=()):
-        self.world = fs.load(scene, overrides=list(overrides))
-        self.graph = FrameGraph(device)
-        self.view = self.graph.uniform("view", VIEW)
-        add_gbuffer(self.graph, SIZE)
-        self.terrain = Terrain(device, self.graph, self.world, QUALITY[quality], SIZE)
-        self.graph.output(*COLOR, DEPTH)
-        if self.terrain.model.pyramid is not None:
-            self.graph.output("terrain.nodes", "terrain.workgroups", "terrain.heights")
-        self.graph.compile()
-
-    def state(self, east, north, above, heading, pitch, fov=50.0):
-        radius = self.world.planet.radius
-        height = above + self.world.terrain.height(east, north)
-        camera = CameraState(
-            position_on_planet(east, north, height, radius),
-            camera_rotation(np.radians(heading), np.radians(pitch), 0.0, local_axes(east, north, radius)),
-            np.radians(fov),
-        )
-        now = datetime(2025, 6, 1, tzinfo=UTC)
-        return FrameState(0, 0.0, now, 0.0, self.world.seed, SIZE, radius, camera, camera)
-
-    def draw(self, *view):
-        state = self.state(*view)
-        self.view.set(**view_values(state))
-        self.terrain.update(state)
-        self.graph.execute()
-        return state
-
-    def read(self, name):
-        return np.array(self.graph.read(name))
-
-    def nodes(self):
-        """(count, 3): x, y, level."""
-        count = self.read("terrain.workgroups").view(np.uint32)[0]
-        raw = self.read("terrain.nodes").view(np.uint32).reshape(-1, 2)[:count]
-        return np.stack([raw[:, 0] & 0xFFFF, raw[:, 0] >> 16, raw[:, 1]], 1).astype(int)
+from fallstreak.terrain.selection import morphed, select_nodes, vertex_shape
+from fallstreak.world.state import view_values
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +20,10 @@ def ground(device):
 @pytest.mark.parametrize("view", VIEWS)
 def test_nodes_are_those_of_the_twin(ground, view):
     state = ground.draw(*VIEWS[view])
-    frame = ground.terrain.frame_values(state)
     expected = select_nodes(
-        ground.terrain.model.pyramid,
-        frame,
+        ground.bounds_between(),
+        ground.terrain.frame_values(state),
+        ground.quality.terrain_grid,
         view_values(state)["clip_from_world"],
         state.camera.position,
         state.planet_radius,
@@ -103,9 +37,9 @@ def test_nodes_are_those_of_the_twin(ground, view):
 def test_every_visible_place_belongs_to_exactly_one_node(ground, view):
     state = ground.draw(*VIEWS[view])
     nodes = ground.nodes()
-    extent = ground.terrain.model.pyramid.extent
-    size = 2 * extent / 2.0 ** nodes[:, 2]
-    low = nodes[:, :2] * size[:, None] - extent
+    extent, half = ground.terrain.model.extent, ground.terrain.clip.half
+    size = 2 * half / 2.0 ** nodes[:, 2]
+    low = nodes[:, :2] * size[:, None] - half
     rng = np.random.default_rng(1)
     camera = np.array(map_from_world(state.camera.position, state.planet_radius)[:2])
     # near and far places alike
@@ -126,7 +60,7 @@ def visible(ground, state, places):
     clip = np.concatenate([world - state.camera.position, np.ones((len(world), 1))], 1)
     clip = clip @ view_values(state)["clip_from_world"].T
     shown = (clip[:, 3] > 0.2) & (np.abs(clip[:, :2]) < clip[:, 3:] * 0.99).all(1)
-    lowest = state.planet_radius + ground.terrain.model.pyramid.bounds[0][0, 0, 0]
+    lowest = state.planet_radius + ground.terrain.model.land.bounds()[0]
     eye, place = state.planet_radius + state.altitude, state.planet_radius + height
     sight = np.sqrt(eye**2 - lowest**2) + np.sqrt(np.maximum(place**2 - lowest**2, 0.0))
     return shown & (np.linalg.norm(world - state.camera.position, axis=1) < sight)
@@ -138,13 +72,14 @@ def test_vertex_heights_against_float64(ground, view):
     state = ground.draw(*VIEWS[view])
     frame = ground.terrain.frame_values(state)
     nodes = ground.nodes()
-    grid = QUALITY["low"].terrain_grid
-    heights = ground.read("terrain.heights").view(np.float32).reshape(-1, (grid + 1) ** 2)
+    grid = ground.quality.terrain_grid
+    heights = ground.read("terrain.heights").view(np.float32).reshape(-1, (grid + 1) ** 2, 2)[..., 0]
     for slot in np.linspace(0, len(nodes) - 1, 12).astype(int):
-        moved = morphed(frame, nodes[slot], grid)
-        places = moved[:, :2] + np.array(frame["camera_map"])
-        expected = ground.terrain.model.drawn_height(places[:, 0], places[:, 1], moved[:, 2])
-        distance = np.hypot(*moved[:, :2].T)
+        vertices = morphed(frame, nodes[slot], grid)
+        expected, _ = vertex_shape(ground.terrain.model, ground.terrain.clip.spacing, vertices)
+        reach = np.hypot(*(vertices.offset + frame["camera_map"]).T)
+        expected -= 0.1 * np.maximum(reach - 0.985 * frame["extent"], 0.0)  # under the globe
+        distance = np.hypot(*vertices.offset.T)
         allowed = np.where(distance < 2e3, 0.02, np.maximum(0.3, 1e-4 * distance))
         assert (np.abs(heights[slot] - expected) < allowed).all()
 
@@ -153,16 +88,8 @@ def test_vertex_heights_against_float64(ground, view):
 def test_depth_is_where_the_ground_is(ground, view):
     """From depth back to a place on the map and its height: the mesh lies on the CPU's ground."""
     state = ground.draw(*VIEWS[view])
-    depth = ground.read(DEPTH).astype(np.float64)
-    y, x = np.nonzero(depth > 0)
-    clip = np.stack(
-        [(x + 0.5) / SIZE[0] * 2 - 1, 1 - (y + 0.5) / SIZE[1] * 2, depth[y, x], np.ones(len(x))], 1
-    )
-    point = clip @ view_values(state)["world_from_clip"].T
-    point = point[:, :3] / point[:, 3:]
-    east, north, height = map_from_world(point + state.camera.position, state.planet_radius)
-    inside = np.hypot(east, north) < 0.8 * ground.terrain.model.pyramid.extent
-    distance = np.linalg.norm(point, axis=1)
+    east, north, height, distance, _, _ = ground.points(state)
+    inside = np.hypot(east, north) < 0.8 * ground.terrain.model.extent
     expected = ground.terrain.model.height(east, north)
     error = np.abs(height - expected) / np.maximum(distance, 1.0)
     # in pixels: how far off the picture is
@@ -182,6 +109,17 @@ def test_no_cracks(device, quality):
             depth = ground.read(DEPTH)
             # every picture looks steeply down: no pixel may see the sky
             assert (depth > 0).all(), (name, heading, int((depth == 0).sum()))
+
+
+def test_a_narrow_lens_never_looks_past_its_windows(ground):
+    """Through a telephoto lens the mesh gets coarser before it leaves the tiles the GPU holds."""
+    for fov in (4.0, 0.5):
+        state = ground.draw(0.0, 0.0, 500.0, 60.0, -20.0, fov)
+        east, north, height, distance, _, _ = ground.points(state)
+        assert len(east) == SIZE[0] * SIZE[1]
+        # too coarse for the lens, but the ground
+        error = np.abs(height - ground.terrain.model.height(east, north))
+        assert np.median(error) < 1.5 and error.max() < 0.01 * distance.min()
 
 
 def test_morph_does_not_pop(ground):
@@ -241,10 +179,7 @@ def test_albedo_is_natural_and_keeps_its_mean_with_distance(device, scene):
     means = []
     # the same 6 km of ground through a narrow and a wide lens: the footprint changes, the mean must not
     for above, fov in ((4000.0, 60.0), (16_000.0, 16.4), (64_000.0, 4.1)):
-        state = ground.state(0.0, 0.0, above, 0.0, -89.9, fov)
-        ground.view.set(**view_values(state))
-        ground.terrain.update(state)
-        ground.graph.execute()
+        ground.draw(0.0, 0.0, above, 0.0, -89.9, fov)
         albedo = (ground.read("gbuffer.albedo")[..., :3].astype(float) / 255) ** 2
         means.append(albedo.mean((0, 1)))
     means = np.array(means)

@@ -14,7 +14,7 @@ import numpy as np
 
 TILE = 32
 MAX_LEVELS = 16
-MAX_JOBS = 16384
+MAX_JOBS = 16128  # with the windows, what a uniform buffer holds by default
 
 
 class Clipmap:
