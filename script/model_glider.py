@@ -1,7 +1,8 @@
 """The glider: a sailplane of 15 m span, as pilots know them since fibre glass.
 
 Axes are glTF's: x left, y up, z forward, metres; the origin is the centre of gravity, under the wing. The
-wheel stands 0.62 m below it. One texture serves all: its upper half is the fuselage, unrolled, its lower the wings.
+wheel stands 0.62 m below it. One texture serves all: its upper half is the fuselage, unrolled, its lower the
+wings and the tail.
 """
 
 from __future__ import annotations
@@ -148,7 +149,7 @@ def tail() -> list[Surface]:
 
 def wheel() -> Surface:
     """The main wheel, half in the belly."""
-    profile = np.array([(0.02, 0.05), (0.055, 0.09), (0.06, 0.135), (0.045, 0.165), (0.0, 0.175)])
+    profile = np.array([(0.03, 0.0), (0.04, 0.06), (0.06, 0.10), (0.06, 0.14), (0.045, 0.165), (0.0, 0.175)])
     profile = np.concatenate([profile * (-1, 1), profile[-2::-1]])
     angle = 2 * np.pi * steps(25)[:, None]
     points = np.stack(
@@ -219,15 +220,10 @@ def paint() -> tuple[np.ndarray, np.ndarray]:
     lay(np.where(fin & (np.abs(u - 0.25) < 0.055), 1.0, 0.0), RED, 0.16)
     lay(np.where((fin | stabiliser) & (np.abs(back - 0.68) < 0.012), 0.75, 0.0), (0.12, 0.12, 0.12), 0.5)
     lay(np.where((v > 0.90) & (u > 0.9), 1.0, 0.0), (0.02, 0.02, 0.02), 0.85)
-    # the registration under the left wing and on both sides of the boom
+    # the registration, under the left wing alone
     sheet = Image.new("L", TEXTURE, 0)
-    pen = ImageDraw.Draw(sheet)
-    big, small = ImageFont.load_default(74), ImageFont.load_default(26)
-    pen.text((int(0.42 * width), int(0.745 * height)), "FS-15", 255, big, anchor="mm")
-    words = Image.new("L", (150, 40), 0)
-    ImageDraw.Draw(words).text((75, 20), "FS-15", 255, small, anchor="mm")
-    sheet.paste(words, (int(0.60 * width), int(0.130 * height) - 20))
-    sheet.paste(words.rotate(180), (int(0.60 * width), int(0.370 * height) - 20))
+    big = ImageFont.load_default(74)
+    ImageDraw.Draw(sheet).text((int(0.42 * width), int(0.745 * height)), "FS-15", 255, big, anchor="mm")
     lay(np.asarray(sheet) / 255.0, (0.03, 0.03, 0.035), 0.2)
     srgb = np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055)
     surface = np.stack([np.ones_like(rough), rough, np.zeros_like(rough)], 2)
@@ -241,5 +237,8 @@ def build() -> Glb:
     pbr = {"baseColorTexture": {"index": color}, "metallicRoughnessTexture": {"index": surface}}
     material = glb.material(name="gelcoat", pbrMetallicRoughness=pbr)
     left = wing()
-    glb.add(join([fuselage(), left, left.mirrored(), *tail(), wheel()]), material)
+    right = left.mirrored()
+    right.uv = right.uv.copy()
+    right.uv[:, 1] = 0.65 - np.abs(right.uv[:, 1] - 0.65)  # its lower side has the paint of the upper one
+    glb.add(join([fuselage(), left, right, *tail(), wheel()]), material)
     return glb

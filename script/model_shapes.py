@@ -123,13 +123,17 @@ class Glb:
         self.tree["accessors"].append(accessor)
         return len(self.tree["accessors"]) - 1
 
-    def texture(self, picture: np.ndarray) -> int:
-        """A PNG of (height, width, 3) uint8; returns the texture's index."""
+    def texture(self, picture: np.ndarray, quality: int = 0) -> int:
+        """A PNG of (height, width, 3) uint8, or a JPEG of a quality; returns the texture's index."""
         from PIL import Image
 
         stream = io.BytesIO()
-        Image.fromarray(picture).save(stream, "PNG", optimize=True)
-        image = {"bufferView": self._view(stream.getvalue()), "mimeType": "image/png"}
+        if quality:
+            Image.fromarray(picture).save(stream, "JPEG", quality=quality, subsampling=0)
+        else:
+            Image.fromarray(picture).save(stream, "PNG", optimize=True)
+        kind = "image/jpeg" if quality else "image/png"
+        image = {"bufferView": self._view(stream.getvalue()), "mimeType": kind}
         self.tree.setdefault("images", []).append(image)
         self.tree.setdefault("textures", []).append({"source": len(self.tree["images"]) - 1})
         return len(self.tree["textures"]) - 1
