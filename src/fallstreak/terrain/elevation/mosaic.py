@@ -25,6 +25,7 @@ from .voids import fill_voids
 _SAME = 0.02  # samples: as far as lattices may be apart and count as one
 _RIM = 2  # samples that neighbours may share
 _BLEND = 0.06  # of the smaller side: how far in from its edge a file reaches its full weight
+_OUTSIDE = -0.5 - _SAME  # half a sample over the outermost centres still belongs to a file, as pixels do
 _MARGIN = 12  # samples: the reach of a spline's filter (its pole is −0.27)
 _WIDEST = 2**24  # samples across the joined grid
 
@@ -172,11 +173,11 @@ class _Overlay(Raster):
             middle = 0.5 * (low[1] + high[1])
             dy = -_degrees_apart(finest)
             dx = -dy / max(np.cos(np.radians(middle)), 0.05)
-            anchor = np.array([low[0], high[1]])
+            anchor = np.array([low[0] + 0.5 * dx, high[1] + 0.5 * dy])
         step = np.array([dx, dy])
         ends = np.stack([(low - anchor) / step, (high - anchor) / step])
-        first = np.floor(ends.min(0) + _SAME).astype(int)
-        count = np.ceil(ends.max(0) - _SAME).astype(int) - first + 1
+        first = np.ceil(ends.min(0) - _SAME).astype(int)
+        count = np.floor(ends.max(0) + _SAME).astype(int) - first + 1
         if count.max() > _WIDEST:
             raise WorldError(
                 f"{self.name} and the other files together would be {count[0]:,} × {count[1]:,} samples; "
@@ -218,8 +219,7 @@ class _Overlay(Raster):
         column, row = self._in_sheet(sheet, x, y)
         high, wide = sheet.shape
         margin = np.minimum(np.minimum(column, wide - 1 - column), np.minimum(row, high - 1 - row))
-        # half a sample over the edge still belongs to the file, as a picture's pixels do
-        if not (margin >= -0.5).any():
+        if not (margin >= _OUTSIDE).any():
             return None
         ratio = block * _degrees_apart(self) / _degrees_apart(sheet)
         # the longest steps decide: never coarser than what is asked for
@@ -227,7 +227,7 @@ class _Overlay(Raster):
         size = 1 << reduction
         spans = []
         for at, n in ((row, high), (column, wide)):
-            at = (at[margin >= -0.5] + 0.5) / size - 0.5
+            at = (at[margin >= _OUTSIDE] + 0.5) / size - 0.5
             spans.append(
                 (
                     max(int(np.floor(at.min())) - _MARGIN, 0),
@@ -243,13 +243,13 @@ class _Overlay(Raster):
         filled = fill_voids(window.heights, hole) if hole.any() else window.heights
         c, r = (column + 0.5) / size - 0.5 - spans[1][0], (row + 0.5) / size - 0.5 - spans[0][0]
         heights = spline.evaluate(spline.coefficients(filled), c, r)
-        known = margin >= -0.5
+        known = margin >= _OUTSIDE
         if hole.any():
             i = np.clip(np.rint(r), 0, hole.shape[0] - 1).astype(int)
             j = np.clip(np.rint(c), 0, hole.shape[1] - 1).astype(int)
             known = known & ~hole[i, j]
         t = np.clip((margin + 0.5) / max(_BLEND * min(sheet.shape), 2.0), 0.0, 1.0)
-        weight = np.where(margin >= -0.5, np.maximum(t * t * (3.0 - 2.0 * t), 1e-6), 0.0)
+        weight = np.where(margin >= _OUTSIDE, np.maximum(t * t * (3.0 - 2.0 * t), 1e-6), 0.0)
         return _Layer(heights, known, weight)
 
     def _in_sheet(self, sheet: ElevationGrid, x, y):
@@ -272,12 +272,15 @@ def _degrees_apart(grid: ElevationGrid | _Overlay) -> float:
 
 
 def _border(sheet: ElevationGrid, beside: ElevationGrid | None) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest x and y of the sample centres; in degrees, on the turn of the sheet `beside`."""
+    """Least and largest x and y of its edges, half a sample outside of the outermost centres.
+
+    In degrees, on the turn of the sheet `beside`, where that is given.
+    """
     high, wide = sheet.shape
     t = np.linspace(0.0, 1.0, 33)
     zero, one = np.zeros(33), np.ones(33)
-    column = np.concatenate([t, t, zero, one]) * (wide - 1)
-    row = np.concatenate([zero, one, t, t]) * (high - 1)
+    column = np.concatenate([t, t, zero, one]) * wide - 0.5
+    row = np.concatenate([zero, one, t, t]) * high - 0.5
     x, y = sheet.x[0] + sheet.x[1] * column, sheet.y[0] + sheet.y[1] * row
     if beside is not None:
         y, x = sheet.geographic(x, y)

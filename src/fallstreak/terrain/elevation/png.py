@@ -133,9 +133,7 @@ def _sidecar(path: Path) -> dict[str, Any]:
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not number or not np.isfinite(value) or abs(value) > 1e9 or (key == "scale" and value == 0):
             expected = "a number other than 0" if key == "scale" else "a number"
-            raise WorldError(
-                f"{beside}: {shorten(key)} = {shorten(value)} is not allowed; it must be {expected}"
-            )
+            raise WorldError(f"{beside}: {key} = {shorten(value)} is not allowed; it must be {expected}")
     return {key: value if key == "crs" else float(value) for key, value in keys.items()}
 
 
