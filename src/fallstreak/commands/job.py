@@ -32,7 +32,7 @@ class Job:
     world : World
         The scene with all overrides.
     options : dict
-        Of the renderer: size, quality, samples, layers, bits, adapter.
+        Of the renderer: size, quality, samples, layers, bits, adapter, show.
     layers : tuple of str, optional
         What goes into .exr and .npz files; by default all.
     stats : Path, optional
@@ -132,6 +132,9 @@ class Job:
             "fps": fps,
             "first": frames.start,  # has no history, and what follows depends on it
         }
+
+        if self.options.get("show"):
+            fixed["show"] = self.options["show"]
 
         def facts(index: int) -> dict[str, Any]:
             return {**fixed, "frame": index, "time": self.world.time_at(index / fps).isoformat()}

@@ -34,6 +34,7 @@ def render(
     samples: int | None = None,
     seed: int | None = None,
     bits: int | None = None,
+    show: Literal["materials"] | None = None,
     stats: Path | None = None,
     adapter: str | None = None,
     verbose: Annotated[bool, Parameter(name=["-v", "--verbose"], negative="", show_default=False)] = False,
@@ -72,6 +73,8 @@ def render(
         Of everything random.
     bits
         Of a .png, 8 or 16 per channel. [default: 8]
+    show
+        A view into the picture instead of it: materials paints the ground's six base materials in six colours.
     stats
         Also write adapter, times per pass and frame, and memory to this JSON file.
     adapter
@@ -107,6 +110,7 @@ def render(
             "layers": _rendered_layers(chosen, paths),
             "bits": bits or 8,
             "adapter": adapter,
+            "show": show,
         },
         layers=chosen,
         stats=stats,

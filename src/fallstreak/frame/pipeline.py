@@ -48,6 +48,8 @@ class Pipeline:
         Anti-aliasing over frames; else the mean over a frame's samples.
     bits : 8 or 16
         Of `frame.ldr`.
+    show : "materials", optional
+        See `Renderer`.
 
     Attributes
     ----------
@@ -65,12 +67,13 @@ class Pipeline:
         *,
         temporal: bool,
         bits: Literal[8, 16] = 8,
+        show: str | None = None,
     ):
         add_exposure_buffer(graph)
         add_gbuffer(graph, size)
         graph.texture("frame.hdr", "rgba16float", size)
         self.sky = Sky(graph.device, graph, world, quality, size)
-        self.terrain = Terrain(graph.device, graph, world, quality, size)
+        self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
         add_lighting(graph, world, quality, size)
         self._resolve = (

@@ -77,6 +77,9 @@ class Renderer:
         Of the picture.
     adapter : str, optional
         Part of the name of the GPU adapter to use.
+    show : "materials", optional
+        A view into the picture instead of it: "materials" paints the shares of the ground's six base
+        materials red, green, blue, yellow, cyan and magenta.
 
     Examples
     --------
@@ -97,6 +100,7 @@ class Renderer:
         layers: tuple[str, ...] | list[str] = (),
         bits: Literal[8, 16] = 8,
         adapter: str | None = None,
+        show: Literal["materials"] | None = None,
     ):
         self.world = world
         self.quality = _quality(quality)
@@ -111,6 +115,9 @@ class Renderer:
         unknown = [name for name in layers if name not in LAYERS]
         if unknown:
             raise ValueError(f"layer {unknown[0]!r} is unknown; there are {', '.join(LAYERS)}")
+        if show not in (None, "materials"):
+            raise ValueError(f'show = {show!r} is unknown; there is "materials"')
+        self.show: Literal["materials"] | None = show
         self.fps = fps
         self.still = still
         self.temporal = samples is None and not still and self.quality.temporal
@@ -195,6 +202,7 @@ class Renderer:
             self.models,
             temporal=self.temporal,
             bits=self.bits,
+            show=self.show,
         )
         self.graph.output("frame.ldr", *self._sources().values())
         self.graph.compile()
@@ -405,6 +413,7 @@ def render(
     layers: tuple[str, ...] | list[str] = ("hdr", "depth", "normal"),
     bits: Literal[8, 16] = 8,
     adapter: str | None = None,
+    show: Literal["materials"] | None = None,
 ) -> Frame:
     """Render one still.
 
@@ -418,7 +427,13 @@ def render(
     >>> frame.ldr.shape                                            # doctest: +SKIP
     (360, 640, 3)
     """
-    options: dict[str, Any] = {"samples": samples, "layers": layers, "bits": bits, "adapter": adapter}
+    options: dict[str, Any] = {
+        "samples": samples,
+        "layers": layers,
+        "bits": bits,
+        "adapter": adapter,
+        "show": show,
+    }
     with Renderer(world, size, quality, still=True, **options) as renderer:
         pending = renderer.submit(0)
         stats = renderer.stats()
