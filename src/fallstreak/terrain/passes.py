@@ -15,6 +15,8 @@ from .frame import TERRAIN_FRAME
 from .land.levels import Levels
 from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
+from .water import add_water, water_constants
+from .vegetation import Vegetation
 
 MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
@@ -64,10 +66,12 @@ class Terrain:
         )
         planet = {"SURFACE_KIND": _SURFACES[surface], "PLANET_OCTAVES": quality.terrain_planet_octaves}
         self.clip: ClipmapPasses | None = None
+        self.vegetation: Vegetation | None = None
         if self.model.land is not None:
             self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
             add_materials(graph)
             self._add_ground(graph, world, quality, show)
+            self.vegetation = Vegetation.on_clipmap(graph, world, quality, self.clip)
         self._fixed = self._fixed_values(world)
         self._frame.set(**self._fixed)
         self._add_globe(graph, planet)
@@ -79,6 +83,7 @@ class Terrain:
         graph.buffer("terrain.draws", 20, usage=("indirect",))
         graph.buffer("terrain.workgroups", 12, usage=("indirect",))
         graph.buffer("terrain.heights", 8 * MAX_NODES * (self._grid + 1) ** 2)
+        add_water(graph, world.seed)
         constants = {**self.clip.constants, "GRID": self._grid}
         graph.compute(
             "terrain.selection",
@@ -128,17 +133,23 @@ class Terrain:
                 "tint": "terrain.tint",
                 "material_color": "terrain.material_color",
                 "material_shape": "terrain.material_shape",
+                "waves": "terrain.waves",
             },
             indirect="terrain.draws",
             index="terrain.index",
             indices=6 * self._grid**2,
             structs=[TERRAIN_FRAME],
-            constants={**constants, **ground_constants(cover_palette(world.terrain.material))},
+            constants={
+                **constants,
+                **ground_constants(cover_palette(world.terrain.material)),
+                **water_constants(world.terrain, world.seed, self.model.island),
+            },
             flags={
                 **self.clip.flags,
                 "TRIPLANAR": quality.terrain_detail >= 3,
                 "MATERIAL_COPIES": quality.terrain_detail >= 2,
                 "SHOW_MATERIALS": show == "materials",
+                "WATER": world.terrain.has_water and show is None,
             },
         )
 
@@ -165,6 +176,8 @@ class Terrain:
         if self._light is not None:
             self._frame.set(sun=self._light.record["sun_direction"])
         self._frame.set(**moving)
+        if self.vegetation is not None:
+            self.vegetation.update(state)
 
     def _sees_beyond(self, moving: dict[str, Any], radius: float) -> bool:
         """Whether the horizon may lie outside of the terrain's round map."""

@@ -26,6 +26,9 @@ class Quality:
     terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
     terrain_detail: int = 3  # of materials: 1 plain, 2 without visible tiles, 3 also on walls
     terrain_planet_octaves: int = 8  # of noise on the globe beyond the terrain
+    # vegetation
+    vegetation_radius: float = 1200.0  # m, how far trees stand; shrubs and stones a third of it
+    vegetation_pixels: tuple[float, float] = (320.0, 100.0)  # lower ones are coarse meshes, impostors
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -51,12 +54,21 @@ QUALITY: dict[str, Quality] = {
         terrain_tiles=16,
         terrain_bump_finest=0,
         terrain_planet_octaves=5,
+        vegetation_radius=300.0,
+        vegetation_pixels=(520.0, 130.0),
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
     ),
     "medium": replace(
-        _HIGH, name="medium", terrain_error_px=2.5, terrain_bump_finest=-1, terrain_detail=2, terrain_tiles=20
+        _HIGH,
+        name="medium",
+        terrain_error_px=2.5,
+        terrain_bump_finest=-1,
+        terrain_detail=2,
+        terrain_tiles=20,
+        vegetation_radius=700.0,
+        vegetation_pixels=(400.0, 120.0),
     ),
     "high": _HIGH,
     "ultra": replace(
@@ -70,6 +82,8 @@ QUALITY: dict[str, Quality] = {
         terrain_texel_px=1.5,
         terrain_tiles=32,
         terrain_bump_finest=-3,
+        vegetation_radius=2000.0,
+        vegetation_pixels=(200.0, 90.0),
         default_samples=32,
     ),
 }

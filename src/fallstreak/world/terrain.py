@@ -92,6 +92,12 @@ class Terrain(Section):
         le=30e3,
         doc="Height of the sea and of lakes: ground below it lies under water (none: no water but rivers).",
     )
+    vegetation: Number = quantity(
+        1.0, ge=0.0, le=1.0, doc="How densely trees, shrubs and stones stand where the ground feeds them."
+    )
+    wind: Number = quantity(
+        3.0, unit="m/s", ge=0.0, le=40.0, doc="Wind from the west-southwest that sways trees and shrubs."
+    )
     _world: World | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
@@ -114,6 +120,14 @@ class Terrain(Section):
     def paths(self) -> tuple[Path, ...]:
         """All elevation files that are paths, folders and patterns searched; WorldError if none are."""
         return tuple(path for name in self.names if is_path(name) for path in elevation_files(name))
+
+    @property
+    def has_water(self) -> bool:
+        """Whether water may stand on this ground: sea, lakes or rivers."""
+        if self.source == "none":
+            return False
+        island = self.source == "file" and self.surroundings == "sea"
+        return island or self.source == "canyons" or self.water_level is not None
 
     def height(self, east: Any, north: Any) -> Any:
         """Height of the ground above sea level.

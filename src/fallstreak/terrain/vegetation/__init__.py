@@ -1,0 +1,5 @@
+"""Trees, shrubs and rocks."""
+
+from .passes import Vegetation
+
+__all__ = ["Vegetation"]

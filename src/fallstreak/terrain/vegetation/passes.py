@@ -1,0 +1,379 @@
+"""The GPU passes of plants and rocks: squares in sight, what stands in them, a draw per kind and level.
+
+Python's share of a frame is one uniform: cells, instances and draw arguments are made on the GPU.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, cos, floor, log2, pi, radians, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from ...gpu import FrameGraph, Struct
+from ...gpu.mips import MipMaker
+from ...world.state import FrameState, map_coordinates
+from ..cover import palette as cover_palette
+from ..frame import TERRAIN_FRAME
+from . import cards
+from .flora import FLORA, KINDS, Kind, Species, affinity
+
+LEVELS = 3
+"""Levels of detail: fine mesh, coarse mesh, impostor."""
+
+VIEWS = 8
+"""An impostor has VIEWS × VIEWS pictures over the upper half of all directions."""
+
+PERIOD = 64.0
+"""s; every sway repeats itself after this time, see plant.wesl."""
+
+_SQUARE = 8  # cells along a side of what one workgroup looks at
+_COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
+_LAST_MIP = 4
+
+
+def _plants_struct(kinds: int) -> Struct:
+    return Struct(
+        "Plants",
+        [
+            ("wind", "vec2f", "m/s, whereto it blows"),
+            ("gust_rate", "f32", "gusts per second that pass a place"),
+            ("density", "f32", "of all that grows, 0..1"),
+            ("time", "f32", "s, modulo 64"),
+            ("before", "f32", "the same of the frame before"),
+            ("seed", "u32", "of what stands where"),
+            ("windows", f"array<vec4i, {kinds}>", "cell in the middle, squares across, level of cover"),
+            (
+                "grids",
+                f"array<vec4f, {kinds}>",
+                "m from that cell to the camera; m, width of a cell; radius, m",
+            ),
+            ("sizes", f"array<vec4f, {kinds}>", "m, lowest and highest; rarity; how far it leans"),
+            ("levels", f"array<vec4f, {kinds}>", "heights away where the coarser levels start; most m"),
+            ("affinity_a", f"array<vec4f, {kinds}>", "density per share of the palette's materials 0 to 3"),
+            ("affinity_b", f"array<vec4f, {kinds}>", "of 4 and 5, and of growth; steepest slope"),
+            ("tint_a", f"array<vec4f, {kinds}>", "albedo, and how much of it is the ground's"),
+            ("tint_b", f"array<vec4f, {kinds}>", "albedo at the other end"),
+            ("counts", f"array<vec4u, {kinds * LEVELS}>", "vertices or indices; first place, room"),
+        ],
+    )
+
+
+@dataclass(frozen=True)
+class _Stand:
+    """A kind as a country has it, and the room for its instances."""
+
+    kind: Kind
+    species: Species
+    radius: float
+    farthest: tuple[float, float]  # m, where the coarse mesh and the impostor have taken over at the latest
+    first: tuple[int, int, int]
+    room: tuple[int, int, int]
+
+
+class Vegetation:
+    """Declares plants and rocks in a graph.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        Must already hold the G-buffer, `view`, `terrain.frame` and what `ground` binds.
+    world : World
+        ``terrain.material``, ``terrain.vegetation`` and ``terrain.wind``.
+    quality : Quality
+        ``vegetation_radius`` (m) and ``vegetation_pixels`` (heights on the screen below which the coarse
+        mesh, and the impostor, take over).
+    palette : names of the six base materials that the cover's shares belong to
+    ground : WESL module with `ground_at` and `height_near`
+    bind : what the ground's module binds, resource by variable
+    constants, flags : of the ground's module
+    cover_level : callable, m -> level of the clipmap that covers such a radius
+
+    Attributes
+    ----------
+    stands : what may stand here, in the order of the draws' arguments
+    capacity : how many instances there is room for
+    """
+
+    def __init__(
+        self,
+        graph: FrameGraph,
+        world: Any,
+        quality: Any,
+        palette: tuple[str, ...],
+        *,
+        ground: str = "package::terrain::vegetation::ground",
+        bind: dict[str, str] | None = None,
+        constants: dict[str, Any] | None = None,
+        flags: dict[str, bool] | None = None,
+        cover_level: Any = None,
+    ):
+        country = FLORA.get(world.terrain.material, {}) if world.terrain.vegetation > 0.0 else {}
+        self._pixels = quality.vegetation_pixels
+        self.stands = _stands(country, float(quality.vegetation_radius))
+        self.capacity = sum(sum(s.room) for s in self.stands)
+        if not self.stands:
+            return
+        self._struct = _plants_struct(len(self.stands))
+        self._plants = graph.uniform("plants", self._struct)
+        self._frames = 0
+        self._cover_level = cover_level or (lambda radius: 0)
+        self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
+        self._plants.set(**self._fixed(world, palette))
+        graph.texture_data("plants.cards", cards.cards(), "rgba8unorm", dimension="2d-array", mips=True)
+        self._add_placement(graph, ground, bind or {}, constants or {}, flags or {})
+        for index, stand in enumerate(self.stands):
+            self._add_draws(graph, index, stand)
+
+    @classmethod
+    def on_clipmap(cls, graph: FrameGraph, world: Any, quality: Any, clip: Any) -> Vegetation:
+        """Plants on the ground that a `ClipmapPasses` keeps."""
+        names = ("surface", "cover_a", "cover_b", "tint")
+        bind = {name: f"terrain.{name}" for name in names}
+        narrowest = (16 * clip.clip.tiles - 48) * clip.spacing * 0.97
+
+        def level(radius: float) -> int:
+            return min(max(ceil(log2((radius + 20.0) / narrowest)), 0), clip.levels - 1)
+
+        return cls(
+            graph,
+            world,
+            quality,
+            cover_palette(world.terrain.material),
+            bind={
+                **bind,
+                "shapes": "terrain.shape",
+                "shifts": "terrain.shift",
+                "repeat": "sampler:linear-repeat",
+            },
+            constants={"GRID": int(quality.terrain_grid), **clip.constants},
+            flags=clip.flags,
+            cover_level=level,
+        )
+
+    def _fixed(self, world: Any, palette: tuple[str, ...]) -> dict[str, Any]:
+        stands, speed = self.stands, float(world.terrain.wind)
+        whereto = radians(70.0)  # a wind from west-southwest
+        shares = np.zeros((len(stands), 6))
+        for i, s in enumerate(stands):
+            shares[i, : len(palette)] = affinity(s.species, palette)
+        return {
+            "wind": (speed * sin(whereto), speed * cos(whereto)),
+            "gust_rate": round(PERIOD * speed / 80.0) / PERIOD,
+            "density": float(world.terrain.vegetation),
+            "seed": (world.seed * 2654435761 + 977) & 0xFFFFFFFF,
+            "sizes": [(*s.species.heights, s.species.rarity, s.kind.leans) for s in stands],
+            "affinity_a": shares[:, :4],
+            "affinity_b": [
+                (*row[4:], s.species.growth, s.species.slope) for row, s in zip(shares, stands, strict=True)
+            ],
+            "tint_a": [(*s.species.tints[0], s.species.of_ground) for s in stands],
+            "tint_b": [(*s.species.tints[1], 0.0) for s in stands],
+            "counts": [
+                (_count(s.kind, level), s.first[level], s.room[level], 0)
+                for s in stands
+                for level in range(LEVELS)
+            ],
+        }
+
+    def _add_placement(
+        self,
+        graph: FrameGraph,
+        ground: str,
+        bind: dict[str, str],
+        constants: dict[str, Any],
+        flags: dict[str, bool],
+    ) -> None:
+        graph.buffer("plants.squares", 4 * sum(a * a for a in self._across))
+        graph.buffer("plants.workgroups", 12, usage=("indirect",))
+        graph.buffer("plants.draws", 20 * LEVELS * len(self.stands), usage=("indirect",))
+        graph.buffer("plants.placed", 32 * self.capacity)
+        common = {"view": "view", "terrain": "terrain.frame", "plants": "plants", **bind}
+        constants = {"KINDS": len(self.stands), "LEVELS": LEVELS, "GROUND": ground, **constants}
+        structs = [TERRAIN_FRAME, self._struct]
+        graph.compute(
+            "plants.select",
+            "package::terrain::vegetation::select",
+            bind={
+                **common,
+                "squares": "plants.squares",
+                "workgroups": "plants.workgroups",
+                "draws": "plants.draws",
+            },
+            groups=(1, 1, 1),
+            structs=structs,
+            constants=constants,
+            flags=flags,
+        )
+        graph.compute(
+            "plants.placement",
+            "package::terrain::vegetation::placement",
+            bind={**common, "squares": "plants.squares", "draws": "plants.draws", "placed": "plants.placed"},
+            groups="plants.workgroups",
+            structs=structs,
+            constants=constants,
+            flags=flags,
+        )
+
+    def _add_draws(self, graph: FrameGraph, index: int, stand: _Stand) -> None:
+        kind = stand.kind
+        layers = {"LEAF_LAYER": kind.leaf, "BARK_LAYER": cards.BARK}
+        stone = kind.tile is None
+        for level in range(2):
+            mesh = kind.mesh(level)
+            name = f"plants.{kind.name}{level}"
+            graph.buffer_data(f"{name}.vertices", mesh.vertices)
+            graph.buffer_data(f"{name}.index", mesh.indices, usage=("index",))
+            graph.render(
+                name,
+                "package::terrain::vegetation::draw",
+                color=_COLOR,
+                depth="gbuffer.depth",
+                bind={
+                    "view": "view",
+                    "plants": "plants",
+                    "placed": "plants.placed",
+                    "vertices": f"{name}.vertices",
+                    "cards": "plants.cards",
+                    "repeating": "sampler:linear-repeat",
+                },
+                indirect="plants.draws",
+                indirect_offset=20 * (index * LEVELS + level),
+                index=f"{name}.index",
+                structs=[self._struct],
+                constants={"FIRST": stand.first[level], **layers},
+                flags={"STONE": stone},
+                order=0.5,
+            )
+        if kind.tile is not None:
+            self._add_impostor(graph, index, stand, layers)
+
+    def _add_impostor(self, graph: FrameGraph, index: int, stand: _Stand, layers: dict[str, int]) -> None:
+        kind = stand.kind
+        assert kind.tile is not None
+        mesh, name = kind.mesh(0), f"plants.{kind.name}"
+        size = (VIEWS * kind.tile[0], VIEWS * kind.tile[1])
+        away = mesh.vertices["place"] - np.array([0.0, 0.0, 0.5], np.float32)
+        frame = {
+            "VIEWS": VIEWS,
+            "HALF_WIDTH": 1.02 * float(np.hypot(away[:, 0], away[:, 1]).max()),
+            "HALF_HEIGHT": 1.02 * mesh.reach,
+        }
+        first = self._is_first
+        for part in ("looks", "shapes"):
+            graph.texture(f"{name}.{part}", "rgba8unorm", size, mips=_LAST_MIP + 1, persistent=True)
+        graph.texture(f"{name}.depth", "depth32float", size, persistent=True)
+        graph.render(
+            f"{name}.bake",
+            "package::terrain::vegetation::bake",
+            color=(f"{name}.looks:mip0", f"{name}.shapes:mip0"),
+            depth=f"{name}.depth",
+            bind={
+                "vertices": f"{name}0.vertices",
+                "cards": "plants.cards",
+                "repeating": "sampler:linear-repeat",
+            },
+            index=f"{name}0.index",
+            indices=len(mesh.indices),
+            instances=VIEWS**2,
+            constants={**frame, **layers},
+            when=first,
+        )
+        maker = MipMaker.of(graph.device)
+
+        def mips(context: Any) -> None:
+            for part in ("looks", "shapes"):
+                texture = context.resource(f"{name}.{part}")
+                maker.record(context.encoder, texture, "rgba8unorm", (*size, 1), _LAST_MIP + 1)
+
+        written = [f"{name}.{part}:mip{m}" for part in ("looks", "shapes") for m in range(1, _LAST_MIP + 1)]
+        graph.add_pass(
+            f"{name}.mips",
+            reads=[f"{name}.looks:mip0", f"{name}.shapes:mip0"],
+            writes=written,
+            record=mips,
+            when=first,
+        )
+        graph.render(
+            f"{name}2",
+            "package::terrain::vegetation::impostor",
+            color=_COLOR,
+            depth="gbuffer.depth",
+            bind={
+                "view": "view",
+                "plants": "plants",
+                "placed": "plants.placed",
+                "looks": f"{name}.looks",
+                "shapes": f"{name}.shapes",
+                "linear": "sampler:linear-clamp",
+            },
+            indirect="plants.draws",
+            indirect_offset=20 * (index * LEVELS + 2),
+            structs=[self._struct],
+            constants={
+                "FIRST": stand.first[2],
+                "TILE_HEIGHT": float(kind.tile[1]),
+                "LAST_MIP": float(_LAST_MIP),
+                **frame,
+            },
+            order=0.5,
+        )
+
+    def _is_first(self) -> bool:
+        """Whether the pictures of the impostors are still to be made."""
+        return self._frames <= 1
+
+    def update(self, state: FrameState) -> None:
+        """Set the uniform of a frame."""
+        if not self.stands:
+            return
+        self._frames += 1
+        east, north = map_coordinates(state.camera.position, state.planet_radius)
+        pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
+        windows, grids, levels = [], [], []
+        away = [1.0 / (p * pixel) for p in self._pixels]
+        for stand, across in zip(self.stands, self._across, strict=True):
+            cell = stand.kind.cell
+            middle = [_SQUARE * floor(x / (_SQUARE * cell)) for x in (east, north)]
+            windows.append((*middle, across, self._cover_level(stand.radius)))
+            grids.append((east - middle[0] * cell, north - middle[1] * cell, cell, stand.radius))
+            last = away[1] if stand.kind.tile else 1e9
+            levels.append((away[0], last, *stand.farthest))
+        self._plants.set(
+            windows=windows,
+            grids=grids,
+            levels=levels,
+            time=state.time % PERIOD,
+            before=(state.time - state.delta) % PERIOD,
+        )
+
+
+def _count(kind: Kind, level: int) -> int:
+    if level < 2:
+        return len(kind.mesh(level).indices)
+    return 6 if kind.tile else 0
+
+
+def _stands(country: dict[str, Species], radius: float) -> list[_Stand]:
+    """The kinds of a country with room for as many as can ever stand within each level's distance."""
+    stands = []
+    first = 0
+    for kind in KINDS:
+        if kind.name not in country:
+            continue
+        species = country[kind.name]
+        own = radius * kind.reach
+        fine = min(9.0 * species.heights[1], own)
+        coarse = min(30.0 * species.heights[1], own) if kind.tile else 1e9
+        near, middle = _room(fine, kind.cell), _room(min(coarse, own), kind.cell)
+        far = _room(own, kind.cell) if kind.tile else 0
+        places = (first, first + near, first + near + middle)
+        stands.append(_Stand(kind, species, own, (fine, coarse), places, (near, middle, far)))
+        first += near + middle + far
+    return stands
+
+
+def _room(radius: float, cell: float) -> int:
+    """Cells of which a part may lie within a radius."""
+    return ceil(pi * (radius + cell * sqrt(2.0)) ** 2 / cell**2)
