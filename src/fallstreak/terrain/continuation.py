@@ -17,6 +17,8 @@ import numpy as np
 from ..noise.patterns import value as noise_at
 from ..noise.scatter import hash_lattice
 from .elevation import ElevationGrid, bilinear
+from .elevation.coverage import room_around_holes
+from .elevation.mips import Mips
 from .spline import blur, coefficients, evaluate
 
 _SHARPNESS = 3.0  # exponent of the triangle weights: 1 mixes everywhere, ∞ cuts
@@ -24,10 +26,14 @@ _CANDIDATES = 12  # pieces that a lattice point chooses from
 _REGION = 45e3  # m, size of the invented ranges and lowlands
 _TURN = np.radians(35.0)  # pieces turn by at most this: ranges keep the grain of the land
 _MEMORY = 30e3  # m, how far the model's edge still rules what lies beyond
+_JOIN = 0.08  # of the model's width: how far in from its edge it is itself alone
 
 
 class FileLand:
-    """Heights everywhere around a file: the file inside, its like outside.
+    """Heights everywhere around a file: the file inside, its like outside and in holes too wide to be filled.
+
+    Of a large file the fine levels are read by windows (`Mips`); inventing draws on a copy of at most 2048²
+    samples.
 
     Parameters
     ----------
@@ -50,8 +56,9 @@ class FileLand:
     ):
         self.grid, self.place, self.radius, self.seed = grid, place, radius, seed
         self.surroundings = surroundings
-        heights = grid.heights.astype(np.float64) * exaggeration
-        rows, columns = heights.shape
+        self.mips = Mips(grid, exaggeration)
+        heights = self.mips.kept[0]
+        rows, columns = grid.shape
         self.native = grid.spacing(place, radius)
         e, n = grid.map_position(
             np.array([0.0, columns - 1, 0.0]), np.array([0.0, 0.0, rows - 1]), place, radius
@@ -62,30 +69,27 @@ class FileLand:
             np.hypot(e[2] - e[0], n[2] - n[0]) / (rows - 1),
         )
         self.size = min(self.pitch[0] * columns, self.pitch[1] * rows)
-        self.join = 0.08 * self.size
+        self.join = _JOIN * self.size
+        known = grid.overview.known
+        self._holes = None
+        if known is not None:
+            pitch = max(self.pitch) * 2**self.mips.first
+            self._holes = room_around_holes(known, self.join / pitch)
         self.mean = float(heights.mean())
         edge = np.concatenate([heights[0], heights[-1], heights[:, 0], heights[:, -1]])
         self.outside = {"continue": self.mean, "flat": float(edge.mean()), "sea": 0.0}[surroundings]
-        self.levels = [heights]
-        while min(self.levels[-1].shape) >= 16:
-            h = self.levels[-1][: self.levels[-1].shape[0] // 2 * 2, : self.levels[-1].shape[1] // 2 * 2]
-            self.levels.append(h.reshape(h.shape[0] // 2, 2, h.shape[1] // 2, 2).mean((1, 3)))
-        self.splines = [coefficients(level) for level in self.levels]
         if surroundings == "continue":
             self._prepare(heights)
 
     def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Heights (m) on the grid of two ascending, evenly spaced axes, (len(north), len(east)) float64."""
-        spacing = float(east[1] - east[0])
-        level = int(
-            np.clip(np.floor(np.log2(max(spacing / self.native, 1e-9)) + 0.3), 0, len(self.levels) - 1)
-        )
+        level = self._level(float(east[1] - east[0]))
         e, n = np.meshgrid(east, north)
         column, row = self.grid.pixels(e, n, self.place, self.radius)
         inside = self._inside_weight(column, row)
         out = np.empty(e.shape)
         known, open_land = inside > 0.0, inside < 1.0
-        file = self._file(column[known], row[known], level)
+        file = self.mips.evaluate(level, column[known], row[known])
         if self.surroundings != "continue":
             out[...] = self.outside
             out[known] += inside[known] * (file - self.outside)
@@ -101,34 +105,64 @@ class FileLand:
         out[open_land] = np.interp(mixed, self._scores, self._quantiles)
         return out
 
+    def prepare(self, spacing: float, reach: float) -> None:
+        """Read what `sample` will ask for at this spacing within ±`reach` of the anchor, m."""
+        across = np.linspace(-reach, reach, 65)
+        column, row = self.grid.pixels(*np.meshgrid(across, across), self.place, self.radius)
+        # straight lines of the map are bent in the file, but hardly between neighbours among 65
+        spare = np.abs(np.diff(column, axis=1)).max(), np.abs(np.diff(row, axis=0)).max()
+        rows, columns = self.grid.shape
+        inside = (
+            (column > -spare[0]) & (column < columns + spare[0]) & (row > -spare[1]) & (row < rows + spare[1])
+        )
+        if inside.any():
+            column, row = np.clip(column[inside], 0, columns - 1), np.clip(row[inside], 0, rows - 1)
+            wide, high = 0.02 * np.ptp(column), 0.02 * np.ptp(row)
+            self.mips.prepare(
+                self._level(spacing),
+                np.clip([column.min() - wide, column.max() + wide], 0, columns - 1),
+                np.clip([row.min() - high, row.max() + high], 0, rows - 1),
+            )
+
+    def _level(self, spacing: float) -> int:
+        """The level of the file for samples so far apart."""
+        level = np.floor(np.log2(max(spacing / self.native, 1e-9)) + 0.3)
+        return int(np.clip(level, 0, self.mips.count - 1))
+
     def _inside_weight(self, column, row):
-        rows, columns = self.levels[0].shape
+        rows, columns = self.grid.shape
         margin = np.minimum(
             np.minimum(column, columns - 1 - column) * self.pitch[0],
             np.minimum(row, rows - 1 - row) * self.pitch[1],
         )
+        if self._holes is not None:
+            room, step = self._holes
+            size = 2**self.mips.first * step
+            away = bilinear(room, (column + 0.5) / size - 0.5, (row + 0.5) / size - 0.5)
+            margin = np.minimum(margin, away * 2**self.mips.first * min(self.pitch))
         t = np.clip(margin / self.join, 0.0, 1.0)
         return t * t * (3.0 - 2.0 * t)
-
-    def _file(self, column, row, level):
-        scale = 0.5**level
-        return evaluate(self.splines[level], (column + 0.5) * scale - 0.5, (row + 0.5) * scale - 0.5)
 
     # ---- the invented part ----
 
     def _prepare(self, heights: np.ndarray) -> None:
         probability = (np.arange(1024) + 0.5) / 1024
-        self._quantiles = np.quantile(heights, probability)
+        known = self.grid.overview.known
+        self._quantiles = np.quantile(heights if known is None else heights[known], probability)
         # strictly increasing, so that a plain (all one height) can be mapped there and back
         self._quantiles += np.arange(1024) * 1e-6
         x = np.linspace(-6.0, 6.0, 24001)
         cumulative = np.cumsum(np.exp(-0.5 * x * x))
         self._scores = np.interp(probability, cumulative / cumulative[-1], x)
         normal = self._normal(heights)
-        self._normal_levels = [coefficients(normal), *(self._normal(level) for level in self.levels[1:])]
+        self._normal_levels = [coefficients(normal), *(self._normal(level) for level in self.mips.kept[1:])]
         self.edge = 0.24 * self.size  # of the triangles
-        self._region = blur(normal, 0.5 * self.edge / self.native)
+        radius = 0.5 * self.edge / (self.native * 2**self.mips.first)
+        self._region = blur(normal, radius)
         self._region_spread = max(float(self._region.std()), 1e-3)
+        # pieces of what was filled in are none
+        known = self.grid.overview.known
+        self._unsuited = 0.0 * self._region if known is None else 20.0 * blur(~known, radius)
         self._pieces: dict[tuple[int, int], tuple[float, float, float, float]] = {}
 
     def _normal(self, heights):
@@ -150,6 +184,7 @@ class FileLand:
         raw = [w**_SHARPNESS for _, _, w in corners]
         total = sum(raw)
         value, square = np.zeros(east.shape), np.zeros(east.shape)
+        level = max(level, self.mips.first)
         scale = 0.5**level
         low = int(min(c[0].min() for c in corners)), int(min(c[1].min() for c in corners))
         high = int(max(c[0].max() for c in corners)), int(max(c[1].max() for c in corners))
@@ -167,14 +202,15 @@ class FileLand:
 
     def _piece(self, level, column, row):
         # Far out, where texels are coarser than the model's samples, straight lines between them will do.
-        if level:
-            return bilinear(self._normal_levels[level], column, row)
+        kept = level - self.mips.first
+        if kept:
+            return bilinear(self._normal_levels[kept], column, row)
         return evaluate(self._normal_levels[0], column, row)
 
     def _piece_table(self, low, high) -> np.ndarray:
         """For every lattice point: its piece's centre (column, row) and the cosine and sine of its turn."""
         ku, kv = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
-        rows, columns = self.levels[0].shape
+        rows, columns = self.grid.shape
         east = (ku + 0.5 * kv) * self.edge
         north = kv * self.edge * np.sqrt(0.75)
         # what the region should be like: the model's nearest edge, fading into noise
@@ -183,7 +219,7 @@ class FileLand:
         outside = np.hypot((column - c) * self.pitch[0], (row - r) * self.pitch[1])
         memory = np.exp(-outside / _MEMORY)
         noise = 4.0 * noise_at(east / _REGION, north / _REGION, self.seed + 17) * self._region_spread
-        wanted = memory * self._region[r.astype(int), c.astype(int)] + np.sqrt(1.0 - memory**2) * noise
+        wanted = memory * self._at(self._region, c, r) + np.sqrt(1.0 - memory**2) * noise
         margin_c = min(self.edge / self.pitch[0], 0.5 * columns - 1.0)
         margin_r = min(self.edge / self.pitch[1], 0.5 * rows - 1.0)
         best = np.full(ku.shape, np.inf)
@@ -192,9 +228,14 @@ class FileLand:
             h = hash_lattice(ku, kv, self.seed * 31 + candidate)
             c = margin_c + (h & np.uint32(0xFFFF)) / 65536.0 * (columns - 1 - 2.0 * margin_c)
             r = margin_r + (h >> np.uint32(16)) / 65536.0 * (rows - 1 - 2.0 * margin_r)
-            misfit = np.abs(self._region[r.astype(int), c.astype(int)] - wanted)
+            misfit = np.abs(self._at(self._region, c, r) - wanted) + self._at(self._unsuited, c, r)
             angle = (hash_lattice(ku, kv, self.seed * 31 + 1000 + candidate) / 2.0**32 - 0.5) * 2.0 * _TURN
             better = misfit < best
             best = np.where(better, misfit, best)
             table[better] = np.stack([c, r, np.cos(angle), np.sin(angle)], -1)[better]
         return table
+
+    def _at(self, kept: np.ndarray, column, row):
+        """Values of a picture of the finest kept level by samples of the file."""
+        i, j = (x.astype(int) >> self.mips.first for x in (row, column))
+        return kept[np.minimum(i, kept.shape[0] - 1), np.minimum(j, kept.shape[1] - 1)]

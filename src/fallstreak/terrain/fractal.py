@@ -41,6 +41,9 @@ class FractalLand:
         ground = self._hills(craters[:, 0], craters[:, 1], self.feature / 8.0)[0]
         self._craters = np.concatenate([craters, ground[:, None]], 1)
 
+    def prepare(self, spacing: float, reach: float) -> None:
+        """Noise needs no preparation."""
+
     def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Heights (m) on the grid of two ascending, evenly spaced axes, (len(north), len(east)) float64."""
         spacing = float(east[1] - east[0])

@@ -27,6 +27,8 @@ class Land(Protocol):
     native: float
     outside: float
 
+    def prepare(self, spacing: float, reach: float) -> None: ...
+
     def sample(self, east: np.ndarray, north: np.ndarray) -> np.ndarray: ...
 
 
@@ -99,6 +101,7 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
 
 def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.ndarray:
     out = np.empty((SIZE, SIZE))
+    land.prepare(spacing, 0.5 * SIZE * spacing)
     if finer is None:
         parts = [(0, SIZE, 0, SIZE)]
     else:
