@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Bake the ground's base materials: python script/build_materials.py [name …]
 
-Writes two pictures per material to src/fallstreak/terrain/materials/data: `<name>.jpg`, the square root of the
-colour's detail (mean 1/2 in linear light, so that a colour times twice the detail keeps its mean), and
-`<name>.shape.jpg`, four squares below each other: height by rank (each as frequent as any other), slopes to the
-east and to the north, share of the sky in view. The same Pillow and numpy write the same bytes.
+Writes two pictures per material to src/fallstreak/terrain/materials/data: `<name>.jpg`, the square root of
+the colour's detail (mean 1/2 in linear light, so that a colour times twice the detail keeps its mean), and
+`<name>.shape.jpg`, four squares below each other: height by rank (each as frequent as any other), slopes to
+the east and to the north, share of the sky in view. The same Pillow and numpy write the same bytes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fallstreak.terrain.materials.library import MATERIALS, SIDE, Material
 
 FOLDER = Path(__file__).parents[1] / "src/fallstreak/terrain/materials/data"
 COLOUR_QUALITY, SHAPE_QUALITY = 78, 70
-FLATTEN = 0.8  # how much of the differences from one part of a tile to the other is taken out: they show its repeats
+FLATTEN = 0.8  # how much of the differences between parts of a tile is taken out: they would show its repeats
 
 
 def main(names: list[str]) -> None:

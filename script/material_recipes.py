@@ -1,4 +1,4 @@
-"""How each base material is made: a function from a canvas to height (any unit) and tone (relative colour)."""
+"""How each base material is made: from a canvas to height (in any unit) and tone (relative colour)."""
 
 from __future__ import annotations
 
@@ -139,14 +139,23 @@ def soil(c: Canvas) -> Made:
     c.strew(height, tone, 5000, (0.004, 0.014), clod, greys(0.16, 0.04))
     c.strew(height, tone, 60, (0.006, 0.02), pebble, greys(0.3, 0.05))
     straw = 260
-    c.streaks(height, tone, c.random.random((straw, 2)) * c.side, c.random.uniform(0.03, 0.1, straw),
-              np.full(straw, 0.004), np.array([1.9, 1.75, 1.4]) * c.random.uniform(0.6, 1.0, (straw, 1)), 0.2)  # fmt: skip
+    roots, length = c.random.random((straw, 2)) * c.side, c.random.uniform(0.03, 0.1, straw)
+    yellow = np.array([1.9, 1.75, 1.4]) * c.random.uniform(0.6, 1.0, (straw, 1))
+    c.streaks(height, tone, roots, length, np.full(straw, 0.004), yellow, 0.2)
     height += 0.0012 * c.noise(80, 4)
     return height, tone * (1 + 0.1 * c.noise(70, 4))[..., None]
 
 
-def blades(c: Canvas, height: np.ndarray, tone: np.ndarray, count: int, length: tuple[float, float], rise: float,
-           colours: list[tuple[float, float, float]], clump: np.ndarray) -> None:  # fmt: skip
+def blades(
+    c: Canvas,
+    height: np.ndarray,
+    tone: np.ndarray,
+    count: int,
+    length: tuple[float, float],
+    rise: float,
+    colours: list[tuple[float, float, float]],
+    clump: np.ndarray,
+) -> None:
     """Grass: blades that stand denser and longer where `clump` (0…1) is high."""
     roots = c.random.random((3 * count, 2)) * c.side
     here = clump[roots[:, 0].astype(int), roots[:, 1].astype(int)]
@@ -159,7 +168,7 @@ def blades(c: Canvas, height: np.ndarray, tone: np.ndarray, count: int, length: 
     c.streaks(height, tone, roots, longest, rise * longest, shade, 0.7, thick=2)
 
 
-GREENS = [(0.9, 1.0, 0.85), (1.05, 1.05, 0.8), (0.8, 0.95, 0.8), (1.3, 1.15, 1.1), (0.75, 0.9, 0.9)]
+BLADES = [(0.9, 1.0, 0.85), (1.05, 1.05, 0.8), (0.8, 0.95, 0.8), (1.3, 1.15, 1.1), (0.75, 0.9, 0.9)]
 
 
 def grass(c: Canvas) -> Made:
@@ -167,8 +176,8 @@ def grass(c: Canvas) -> Made:
     clump = np.clip(0.5 + 0.33 * c.noise(7, 3), 0, 1)
     height, tone = 0.012 * c.noise(8, 3) + 0.03 * clump, whole(c, 0.45)
     tone *= np.array([1.1, 0.95, 0.9])
-    blades(c, height, tone, 12000, (0.04, 0.12), 0.25, [*GREENS, (1.7, 1.4, 1.5), (1.3, 1.1, 1.1)], clump)
-    blades(c, height, tone, 9000, (0.05, 0.16), 0.4, GREENS, clump)
+    blades(c, height, tone, 12000, (0.04, 0.12), 0.25, [*BLADES, (1.7, 1.4, 1.5), (1.3, 1.1, 1.1)], clump)
+    blades(c, height, tone, 9000, (0.05, 0.16), 0.4, BLADES, clump)
     height = 0.5 * height + 0.5 * blurred(height, 4)
     patch = c.noise(6, 4)
     return height, tone * (1 + 0.10 * patch[..., None] * np.array([1.0, 0.5, 0.6]))
@@ -188,7 +197,7 @@ def turf(c: Canvas) -> Made:
     c.strew(
         height, tone, 130, (0.02, 0.07), cushion, lambda r: np.array([0.75, 0.95, 0.75]) * r.uniform(0.8, 1.2)
     )
-    blades(c, height, tone, 13000, (0.02, 0.06), 0.5, [*GREENS, (1.6, 1.3, 1.2), (1.4, 1.2, 1.1)], clump)
+    blades(c, height, tone, 13000, (0.02, 0.06), 0.5, [*BLADES, (1.6, 1.3, 1.2), (1.4, 1.2, 1.1)], clump)
     return 0.6 * height + 0.4 * blurred(height, 3), tone
 
 
@@ -217,8 +226,9 @@ def forest_floor(c: Canvas) -> Made:
 
     c.strew(height, tone, 2600, (0.018, 0.045), leaf, fallen, sink=0.05)
     twigs = 160
-    c.streaks(height, tone, c.random.random((twigs, 2)) * c.side, c.random.uniform(0.05, 0.3, twigs),
-              np.full(twigs, 0.012), np.array([0.7, 0.62, 0.6]) * c.random.uniform(0.6, 1.4, (twigs, 1)), 0.5, 160, 3)  # fmt: skip
+    roots, length = c.random.random((twigs, 2)) * c.side, c.random.uniform(0.05, 0.3, twigs)
+    bark = np.array([0.7, 0.62, 0.6]) * c.random.uniform(0.6, 1.4, (twigs, 1))
+    c.streaks(height, tone, roots, length, np.full(twigs, 0.012), bark, 0.5, 160, 3)
     c.strew(height, tone, 1100, (0.02, 0.05), leaf, fallen, sink=0.02)
     height += 0.001 * c.noise(90, 3)
     return height, tone * (1 + 0.07 * c.noise(100, 3))[..., None]
@@ -328,8 +338,6 @@ def mud(c: Canvas) -> Made:
     return height, tone
 
 
-RECIPES: dict[str, Callable[[Canvas], Made]] = {
-    f.__name__: f
-    for f in (sandstone, limestone, granite, scree, gravel, sand, soil, grass, turf, forest_floor, canopy, shrubs,
-              dust, basalt, mud)
-}  # fmt: skip
+_ROCKS = (sandstone, limestone, granite, scree, gravel, sand, basalt, dust, mud)
+_GREENS = (soil, grass, turf, forest_floor, canopy, shrubs)
+RECIPES: dict[str, Callable[[Canvas], Made]] = {recipe.__name__: recipe for recipe in (*_ROCKS, *_GREENS)}

@@ -1,4 +1,4 @@
-"""What the recipes of materials are made with: a square that repeats, noise on it, and things strewn over it."""
+"""What the recipes of materials are made with: a square that repeats, noise on it, things strewn over it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Canvas:
         return (made - made.mean()) / made.std()
 
     def walls(self, cells: int | tuple[int, int], warp: float = 0.0) -> np.ndarray:
-        """Distance to the walls between scattered cells, 0…about 1, in cells; `warp` (in cells) bends them."""
+        """Distance to the walls between scattered cells, 0…about 1; `warp` bends them. Both in cells."""
         self._seed += 1
         u, v = (cells, cells) if isinstance(cells, int) else cells
         bend = [warp * self.noise(2 * max(u, v), 4) if warp else 0.0 for _ in range(2)]
@@ -63,8 +63,8 @@ class Canvas:
               lift: np.ndarray | float = 0.0) -> None:  # fmt: skip
         """Lay `count` things onto the ground, in place; what is higher hides what is lower.
 
-        Radii (m) are spread between two bounds by a `power`: the greater, the fewer are large. Things stand on
-        the ground below their middle, sunk by a part of their radius, `lift` (m) above it.
+        Radii (m) are spread between two bounds by a `power`: the greater, the fewer are large. Things stand
+        on the ground below their middle, sunk by a part of their radius, `lift` (m) above it.
         """
         random, n = self.random, self.side
         sizes = np.sort(radius[0] + (radius[1] - radius[0]) * random.random(count) ** power)[::-1]
@@ -89,9 +89,19 @@ class Canvas:
             height[patch] = np.where(there, top, height[patch])
             tone[patch] = np.where(there[..., None], shade, tone[patch])
 
-    def streaks(self, height: np.ndarray, tone: np.ndarray, roots: np.ndarray, length: np.ndarray, lift: np.ndarray,
-                colours: np.ndarray, curl: float = 0.6, steps: int = 48, thick: int = 1) -> None:  # fmt: skip
-        """Draw blades, needles or twigs, in place: curved lines from `roots` (texels) that rise to `lift` (m)."""
+    def streaks(
+        self,
+        height: np.ndarray,
+        tone: np.ndarray,
+        roots: np.ndarray,
+        length: np.ndarray,
+        lift: np.ndarray,
+        colours: np.ndarray,
+        curl: float = 0.6,
+        steps: int = 48,
+        thick: int = 1,
+    ) -> None:
+        """Draw blades or twigs, in place: curved lines from `roots` (texels) that rise to `lift` (m)."""
         random = self.random
         count = len(roots)
         heading = random.random(count) * 2 * np.pi

@@ -2,8 +2,9 @@
 
 Fifteen materials, each a square picture that repeats: colour, height, slopes, roughness and the sky that its
 hollows see, baked from noise by ``script/build_materials.py``. A place of the ground is a mixture of six of
-them, its palette (Infinity, the journal: textures combined by what a place is like); ``ground.wesl`` mixes them
-in the pixel, by height, so that grass stands in the joints of rock and not half over it.
+them, its palette (as in the Infinity journal, which combines textures by what a place is like);
+``ground.wesl`` mixes them in the pixel, by height, so that grass stands in the joints of rock and not half
+over it.
 
 Cost: 2 × 21 MB of texture with mips; loading takes some 0.2 s.
 """
@@ -34,8 +35,8 @@ def load_materials() -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     color : (layers, SIDE, SIDE, 4) uint8
-        rgb: detail, mean 1/2 in each channel: albedo = mean albedo · 2 · texel. a: height by rank: each value is
-        as frequent as any other, mean 1/2.
+        rgb: detail, mean 1/2 in each channel: albedo = mean albedo · 2 · texel. a: height by rank: each value
+        is as frequent as any other, mean 1/2.
     shape : (layers, SIDE, SIDE, 4) uint8
         rg: slopes towards +u and +v, (code − 128)/127 · steepest. b: roughness. a: share of the sky in view.
         Rows run towards +v (north, or up on walls).
@@ -99,9 +100,9 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
     }
 
 
-# (5 cos, 5 sin) of the angle that a second copy of a tile is turned by, and how far, in tiles, long waves push the
-# copies about: beds must stay level.
-_TURNED, _BEDDED = (3.0, 4.0, 0.35), (5.0, 0.0, 0.08)
+# (5 cos, 5 sin) of the angle that a second copy of a tile is turned by; how far, in tiles, long waves push
+# the copies along u and v: beds must stay level.
+_TURNED, _BEDDED = (3.0, 4.0, 0.35, 0.35), (5.0, 0.0, 0.5, 0.08)
 
 
 def _slots(constant: str, name: str, palette: Sequence[str]) -> dict[str, Any]:

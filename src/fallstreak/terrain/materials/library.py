@@ -1,8 +1,8 @@
 """The base materials: how large a tile of each is, and what it looks like from far.
 
-Albedos are linear Rec. 709 of dry surfaces, after field spectra: rocks, soils and sands of the USGS and ECOSTRESS
-libraries, grass and canopies as seen from above with the shade between their leaves, Martian dust after Bell
-et al. (2004).
+Albedos are linear Rec. 709 of dry surfaces, after field spectra: rocks, soils and sands of the USGS and
+ECOSTRESS libraries, grass and canopies as seen from above with the shade between their leaves, Martian dust
+after Bell et al. (2004).
 """
 
 from __future__ import annotations
