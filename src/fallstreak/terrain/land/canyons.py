@@ -9,13 +9,12 @@ import numpy as np
 from ..octaves import octave_weight
 from .canyons_graded import Graded, away, blend, least, ramp, rounded_size
 from .canyons_network import gorges, waves
-from .canyons_strata import hardness, terrace
+from .canyons_strata import FALL, LAYER, border, folds, hardness, rim_of, terrace, thickening
 from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
 BANK = 4.0  # m, of the gorge's floor above the river
-FALL = 0.0005  # of rivers and all the land, eastward
 
 
 class Canyons:
@@ -36,16 +35,12 @@ class Canyons:
         self.roughness, self.seed = land.roughness, seed
         self.power = int(np.clip(np.round(np.log2(land.feature_size)), 10, 14))
         self.outside = self.base
+        self.rim = rim_of(self.base)
+        self.top = float(border(np.array(float(self.rim)), LAYER, seed + 40))
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
         return self.base - self.relief - 160.0, self.base + 220.0
-
-    def bedding(self, east, north) -> Graded:
-        """Height of the plateau's uppermost layer."""
-        one = np.ones_like(east)
-        e, n = Graded(east, one, 0.0 * one), Graded(north, 0.0 * one, one)
-        return FALL * e + self.base + 60.0 * waves(e, n, 13, self.seed + 20)
 
     def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
         """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
@@ -57,8 +52,9 @@ class Canyons:
         def noise(power, number):
             return waves(e, n, power, seed + number) * octave_weight(power, step)
 
-        bedding = self.bedding(east, north)
-        river = FALL * e + (self.base - relief)
+        lean = folds(e, n, seed)
+        bedding = lean + self.top
+        river = FALL * e + (self.top - relief)
         g = gorges(east, north, self.power, seed)
 
         # alcoves and spurs of the walls
@@ -89,7 +85,8 @@ class Canyons:
         kept = ramp(butte, -0.16 * relief, 0.16 * relief) * ramp(width - wall, 0.35 * relief, 0.8 * relief)
         kept = kept * ramp(g.main, 60.0, 140.0)
         cut = cut - cut * kept
-        y = blend(plateau, river + BANK, cut * fade)
+        terraces = 14.0 * ramp(g.main, 40.0, 500.0)
+        y = blend(plateau, river + BANK + terraces, cut * fade)
         open_ = _sky(wall.value, width, plateau.value - y.value)
 
         # side canyons
@@ -122,15 +119,15 @@ class Canyons:
 
         # walls: layers
         slope = y.slope
-        depth = y.value - bedding.value + 14.0 * waves(e, n, 11, seed + 41).value + 5.0 * wave8.value
-        rise, back, thick, under = terrace(depth, 0.25 + 0.9 * wave7.value, seed + 40)
+        along = y.value - lean.value + thickening(e, n, step, seed)
+        layer = terrace(along, 0.25 + 0.9 * wave7.value, self.rim, seed + 40)
         steep = _smooth(slope, 0.75, 1.5)
-        carried = np.clip(2.0 - 4.0 * step * slope / thick, 0.0, 1.0)
-        per = 1.0 / np.maximum(slope, 0.75)
-        height = y.value + steep * carried * rise
-        # metres out from the wall
-        out = -steep * carried * back * per
-        out = out + hardness(depth + rise, seed + 42) * 2.2 * steep * octave_weight(4, 4.0 * step)
+        held = np.clip(2.0 - 4.0 * step * slope / layer.thick, 0.0, 1.0)
+        height = y.value + steep * held * layer.rise
+        # metres out from the wall: beds, clefts
+        cleft = rounded_size(noise(4, 45), 0.03).value + 0.5 * rounded_size(noise(3, 46), 0.03).value
+        beds = hardness(along + steep * held * layer.rise, seed + 42) * octave_weight(4, 4.0 * step)
+        out = steep * (3.0 * beds + 4.0 * cleft - held * layer.back / np.maximum(slope, 0.75))
 
         # what lies about: blocks on the talus, bars beside the river
         rubble = _smooth(slope, 0.25, 0.5) * (1.0 - steep)
@@ -150,7 +147,7 @@ class Canyons:
         height = height + flows * np.minimum(bank - height, 0.0)
 
         spread = np.hypot(WALL * relief, step) / (WALL * relief)
-        lost = np.sqrt(slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - carried)) ** 2)
+        lost = np.sqrt(slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2)
         over = np.where(slope > 1e-3, out / np.maximum(slope, 1e-3), 0.0)
         return LandShape(
             height,
@@ -158,7 +155,7 @@ class Canyons:
             -over * y.east,
             -over * y.north,
             lost,
-            open_ * (1.0 - 0.4 * steep * carried * under),
+            open_ * (1.0 - 0.4 * steep * held * layer.under),
         )
 
     def _cut(self, wall: Graded, foot: Graded, width, step):
