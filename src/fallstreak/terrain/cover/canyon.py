@@ -1,0 +1,105 @@
+"""Canyon country, on the CPU: float64 twin of ``canyon.wesl``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..land.canyons_graded import Graded
+from ..land.canyons_strata import BED, LAYER, cliff_of, folds, hardness, layer_of, thickening
+from ..pattern import missing, smoothstep, speckle, threshold
+from .cover import Covers, Sites
+
+PALETTE = ("sandstone", "limestone", "scree", "sand", "soil", "shrubs")
+
+RED, BUFF = np.array([0.330, 0.185, 0.108]), np.array([0.450, 0.330, 0.220])
+SHALE, ROCK = np.array([0.235, 0.130, 0.088]), np.array([0.345, 0.215, 0.135])
+VARNISH = np.array([0.105, 0.075, 0.060])
+SAND, CRUST = np.array([0.345, 0.225, 0.140]), np.array([0.215, 0.140, 0.092])
+SCREE = np.array([0.265, 0.170, 0.115])
+SCRUB, WILLOWS = np.array([0.105, 0.092, 0.050]), np.array([0.062, 0.076, 0.026])
+
+
+def cover(site: Sites) -> Covers:
+    """What covers places."""
+    east, north, step, height = np.broadcast_arrays(
+        *(np.asarray(x, float) for x in (site.east, site.north, site.step, site.height))
+    )
+    seed = site.seed
+
+    def noise(power, number):
+        return speckle(east, north, power, step, seed + number)
+
+    wide, middle, small = noise(10, 501), noise(7, 502), noise(5, 503)
+    streaks, lines, fine = noise(4, 504), noise(3, 505), noise(1, 506)
+    lost_wide, lost_middle, lost_small = missing(10, step), missing(7, step), missing(5, step)
+    lost_streaks, lost_lines = missing(4, step), missing(3, step)
+
+    one = np.ones_like(east)
+    e, n = Graded(east, one, 0.0 * one), Graded(north, 0.0 * one, one)
+    along = height - folds(e, n, seed).value + thickening(e, n, step, seed)
+    layer = layer_of(along, LAYER, seed + 40)
+    rise = step * np.minimum(site.slope, 4.0)
+    told = np.clip(2.0 - 4.0 * rise / LAYER, 0.0, 1.0)
+    weak = 1.0 - smoothstep(-0.05, 0.05, (along - layer.low) / layer.thick - (1.0 - cliff_of(layer)))
+    buff = smoothstep(0.45, 0.85, layer.own[2])
+    bed = hardness(along, seed + 42) * np.clip(2.0 - 4.0 * rise / BED, 0.0, 1.0)
+    rock = _mix(RED, BUFF, 0.8 * buff)
+    rock = _mix(rock, SHALE, 0.55 * weak)
+    rock = _mix(ROCK, rock, told)
+    pale = np.clip(0.5 * bed + 0.25 * buff * told, 0.0, 1.0)
+    rock = rock * (1.0 + 0.28 * bed + 0.25 * middle + 0.3 * lines + 0.2 * fine)[..., None]
+
+    held = np.hypot(site.normal[..., 0], site.normal[..., 1]) / np.maximum(site.normal[..., 2], 0.05)
+    left = np.sqrt(np.maximum(site.slope**2 - held**2, 0.0))
+    rough = 0.16 * lost_small + 0.09 * lost_streaks
+    wall = np.maximum(threshold(held + 0.4 * small + 0.3 * streaks, 1.05, 0.2, rough), left / (left + 3.0))
+    rough = lost_streaks + 0.64 * lost_lines + 0.81 * lost_middle + 0.09 * lost_small
+    dark = threshold(streaks + 0.8 * lines + 0.9 * middle + 0.3 * small, 0.16, 0.14, rough)
+    rock = _mix(rock, VARNISH, 0.7 * 0.75 * wall * dark)
+
+    deep = smoothstep(0.04, 0.16, 1.0 - site.open)
+    talus = (1.0 - wall) * deep * threshold(held + 0.5 * small, 0.36, 0.14, 0.25 * lost_small)
+    rough = 0.25 * lost_middle + 0.04 * lost_small + 0.12 * lost_wide
+    bare = threshold(held + 0.5 * middle + 0.35 * wide + 0.2 * small, 0.16, 0.10, rough)
+    bare = (1.0 - wall) * (1.0 - deep) * bare
+    loose = np.maximum(1.0 - wall - talus - bare, 0.0)
+
+    above = -site.water
+    wet = smoothstep(9.0, 2.0, above + 8.0 * small + 6.0 * streaks) * smoothstep(0.7, 0.35, site.slope)
+    beside, dry = loose * wet, loose * (1.0 - wet)
+    sandy = threshold(middle + 0.6 * small + 0.5 * wide, 0.05, 0.2, lost_middle + 0.36 * lost_small)
+    rough = lost_lines + 0.49 * lost_streaks + 0.36 * lost_middle
+    scrub = threshold(lines + 0.7 * streaks + 0.6 * middle, 0.12, 0.1, rough)
+    willows = beside * (0.35 + 0.5 * scrub)
+    bushes = dry * 0.75 * scrub * (1.0 - 0.5 * sandy) + 0.25 * talus * scrub
+    ground = dry - dry * 0.75 * scrub * (1.0 - 0.5 * sandy)
+    blocks = talus - 0.25 * talus * scrub
+    stone = wall + bare
+
+    shares = (
+        stone * (1.0 - pale),
+        stone * pale,
+        blocks,
+        ground * sandy + (beside - willows),
+        ground * (1.0 - sandy),
+        willows + bushes,
+    )
+    tone = 1.0 + 0.25 * small + 0.2 * lines + 0.25 * fine
+    rest = (
+        blocks[..., None] * _mix(SCREE, rock, 0.35)
+        + (ground * sandy + beside - willows)[..., None] * SAND
+        + (ground * (1.0 - sandy))[..., None] * CRUST
+        + willows[..., None] * WILLOWS
+        + bushes[..., None] * SCRUB
+    )
+    tint = np.maximum(stone[..., None] * rock + rest * tone[..., None], 0.01)
+    return Covers(
+        np.stack(np.broadcast_arrays(*shares), -1),
+        tint,
+        beside * smoothstep(1.6, 0.2, above),
+        np.clip(0.9 * beside + 0.28 * dry + 0.15 * talus + 0.12 * bare, 0.0, 1.0),
+    )
+
+
+def _mix(a, b, t):
+    return a + np.asarray(t)[..., None] * (b - a)
