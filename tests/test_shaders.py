@@ -28,6 +28,11 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], str]] = {
     "space": ("orbit", {"film.tone_map": "none", "film.bloom": 0.0}, "medium"),
     "night": ("night", {"sky.phase": "henyey_greenstein"}, "high"),
     "mars": ("mars", {"sky.stars": False}, "medium"),
+    "gorge": (
+        "jacksboro",
+        {"terrain": {"source": "canyons", "file": ""}, "models": [{"file": "glider"}]},
+        "low",
+    ),
 }
 
 

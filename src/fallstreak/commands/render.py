@@ -74,7 +74,7 @@ def render(
     bits
         Of a .png, 8 or 16 per channel. [default: 8]
     show
-        A view into the picture instead of it: materials paints the ground's six base materials in six colours.
+        A view into the picture instead: materials paints the six base materials of the ground in six colours.
     stats
         Also write adapter, times per pass and frame, and memory to this JSON file.
     adapter

@@ -13,7 +13,7 @@ from .cover import kind as cover_kind
 from .frame import TERRAIN_FRAME
 from .land.levels import Levels, first_octave
 from .land.shape import LAND, land_values
-from .model import TerrainModel
+from .model import LANDS, TerrainModel
 
 CLIP_JOBS = Struct(
     "ClipJobs",
@@ -86,14 +86,17 @@ class ClipmapPasses:
             "COVER": f"package::terrain::cover::{cover_kind(world.terrain.material)}",
             **planet,
         }
+        # of these two the flag LEVELS leaves one unused
+        self.constants["FIRST_OCTAVE"] = first_octave(
+            land.pyramid.spacing if isinstance(land, Levels) else 1.0
+        )
+        source = world.terrain.source
+        self.constants["LAND"] = f"package::terrain::land::{source if source in LANDS else 'canyons'}"
         if isinstance(land, Levels):
-            self.constants["FIRST_OCTAVE"] = first_octave(land.pyramid.spacing)
             graph.texture_data(
                 "terrain.coefficients", land.pyramid.coefficients, "r32float", dimension="2d-array"
             )
             graph.texture_data("terrain.lost", land.pyramid.lost, "r32float", dimension="2d-array")
-        else:
-            self.constants["LAND"] = f"package::terrain::land::{world.terrain.source}"
         self._declare(graph, planet)
 
     def _declare(self, graph: FrameGraph, planet: dict[str, int]) -> None:

@@ -23,7 +23,6 @@ class Quality:
     terrain_spacing: float = 0.25  # m between the finest samples; a power of two
     terrain_texel_px: float = 2.0  # width of a sample on the screen, as far as the windows allow
     terrain_tiles: int = 24  # width of the clipmap's windows at most, in tiles of 32 samples
-    terrain_bump_finest: int = -2  # the finest bumps that turn the normal are 2^this metres
     terrain_detail: int = 3  # of materials: 1 plain, 2 without visible tiles, 3 also on walls
     terrain_planet_octaves: int = 8  # of noise on the globe beyond the terrain
     # vegetation
@@ -52,10 +51,9 @@ QUALITY: dict[str, Quality] = {
         terrain_detail=1,
         terrain_texel_px=2.5,
         terrain_tiles=16,
-        terrain_bump_finest=0,
         terrain_planet_octaves=5,
         vegetation_radius=300.0,
-        vegetation_pixels=(520.0, 130.0),
+        vegetation_pixels=(700.0, 220.0),
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
@@ -64,7 +62,6 @@ QUALITY: dict[str, Quality] = {
         _HIGH,
         name="medium",
         terrain_error_px=2.5,
-        terrain_bump_finest=-1,
         terrain_detail=2,
         terrain_tiles=20,
         vegetation_radius=700.0,
@@ -81,7 +78,6 @@ QUALITY: dict[str, Quality] = {
         terrain_error_px=0.8,
         terrain_texel_px=1.5,
         terrain_tiles=32,
-        terrain_bump_finest=-3,
         vegetation_radius=2000.0,
         vegetation_pixels=(200.0, 90.0),
         default_samples=32,
