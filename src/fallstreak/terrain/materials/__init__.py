@@ -25,7 +25,7 @@ __all__ = ["MATERIALS", "SIDE", "Material", "add_materials", "ground_constants",
 
 _DATA = Path(__file__).parent / "data"
 _LINEAR = np.round((np.arange(256) / 255.0) ** 2 * 255.0).astype(np.uint8)  # the pictures hold square roots
-_ROUGHER = 0.12  # hollows are rougher than what sticks out
+_ROUGHER = 0.08  # hollows are rougher than what sticks out
 
 
 @lru_cache(maxsize=1)
