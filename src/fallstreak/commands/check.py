@@ -14,7 +14,7 @@ def check(
 ) -> int:
     """Say of each scene "ok", or in one sentence what is wrong with it; exit status 2 if any is wrong.
 
-    Elevation files are read too.
+    Elevation files and models are read too.
 
     Parameters
     ----------
@@ -24,6 +24,7 @@ def check(
         An override, KEY=VALUE, to be checked along with the scenes; may be given several times.
     """
     from fallstreak import UserError, load
+    from fallstreak.models.poses import PlacedModels
     from fallstreak.terrain.elevation import read_elevation
     from fallstreak.terrain.model import elevation_paths
 
@@ -39,6 +40,10 @@ def check(
                     read_elevation(elevation_paths(world.terrain))
                 except UserError as error:
                     raise UserError(f"{scene}: {error}") from None
+            try:
+                PlacedModels(world)
+            except UserError as error:
+                raise UserError(f"{scene}: {error}") from None
         except UserError as error:
             bad += 1
             print("".join(c if c.isprintable() else "·" for c in str(error)), file=sys.stderr)

@@ -226,7 +226,8 @@ class Compiled:
         if data.nbytes > size:
             raise GraphError(f"{data.nbytes:,} bytes do not fit into {name!r} of {size:,}")
         if name in self.physical and data.nbytes:
-            self.device.queue.write_buffer(self.physical[name].at(0), 0, np.ascontiguousarray(data))
+            with translated(f"writing {name}"):
+                self.device.queue.write_buffer(self.physical[name].at(0), 0, np.ascontiguousarray(data))
 
     # ---- looking in ------------------------------------------------------------------------------------
 
