@@ -38,10 +38,10 @@ CLIPMAP = ("shape", "surface", "cover_a", "cover_b", "tint")
 
 
 class Ground:
-    """A world's ground and the globe around it, without sky, light or things."""
+    """A world's ground and the globe around it, without sky, light, plants or things."""
 
     def __init__(self, device, scene="jacksboro", quality="low", overrides=()):
-        self.world = fs.load(scene, overrides=list(overrides))
+        self.world = fs.load(scene, overrides=["terrain.vegetation=0", *overrides])
         self.quality = QUALITY[quality]
         self.graph = FrameGraph(device)
         self.view = self.graph.uniform("view", VIEW)

@@ -76,8 +76,8 @@ def add_lighting(graph: FrameGraph, world: World, quality: Quality, size: tuple[
 
 
 def _has_mirrors(world: World) -> bool:
-    """Whether there may be water about the camera."""
-    return world.planet.surface == "ocean" or world.terrain.surroundings == "sea"
+    """Whether there may be water about the camera, or a model with glass or polish."""
+    return world.planet.surface == "ocean" or world.terrain.has_water or bool(world.models)
 
 
 def add_brdf_table(graph: FrameGraph) -> None:

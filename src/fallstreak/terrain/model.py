@@ -69,7 +69,7 @@ class TerrainModel:
         )
 
     def height(self, east: Any, north: Any) -> Any:
-        """Height of the ground above sea level, m.
+        """Height of what one stands or floats on above sea level: the ground, or water that lies over it, m.
 
         Parameters
         ----------
@@ -82,7 +82,8 @@ class TerrainModel:
         e, n = np.broadcast_arrays(np.asarray(east, np.float64), np.asarray(north, np.float64))
         if self.land is None:
             return np.zeros(e.shape)[()]
-        return self.shape(e, n).height[()]
+        found = self.shape(e, n)
+        return np.maximum(found.height, found.water)[()]
 
 
 def shipped_path(name: str) -> Path:

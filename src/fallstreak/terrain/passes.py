@@ -15,8 +15,8 @@ from .frame import TERRAIN_FRAME
 from .land.levels import Levels
 from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
-from .water import add_water, water_constants
 from .vegetation import Vegetation
+from .water import add_water, water_constants
 
 MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
