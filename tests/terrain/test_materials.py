@@ -318,7 +318,7 @@ def test_cover_is_that_of_its_twin(device, kind):
             assert np.mean(wrong > 2e-3) < 0.005, (kind, step)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["temperate", "mars"])
 def test_cover_has_the_same_mean_colour_in_texels_of_all_sizes(kind):
     module = import_module(f"fallstreak.terrain.cover.{kind}")
     for patch, slope in enumerate((0.05, 0.2, 0.5, 1.0)):

@@ -48,6 +48,8 @@ class Cell(NamedTuple):
     border: np.ndarray
     """How much farther the second nearest is, in cells."""
     hash: np.ndarray
+    centre: tuple[np.ndarray, np.ndarray]
+    """The way to it, east and north, in cells."""
 
 
 def cells(east, north, power: int, jitter: float, seed: int) -> Cell:
@@ -57,6 +59,7 @@ def cells(east, north, power: int, jitter: float, seed: int) -> Cell:
     first = np.full(x.shape, 64.0)
     second = first.copy()
     own = np.zeros(x.shape, np.uint32)
+    east_of, north_of = np.zeros(x.shape), np.zeros(x.shape)
     for i in (-1, 0, 1):
         for j in (-1, 0, 1):
             h = hash_lattice((column + i).astype(np.int64), (row + j).astype(np.int64), seed)
@@ -67,8 +70,9 @@ def cells(east, north, power: int, jitter: float, seed: int) -> Cell:
             second = np.where(nearer, first, np.minimum(second, d))
             own = np.where(nearer, mix_bits(h + np.uint32(0x51)), own)
             first = np.where(nearer, d, first)
+            east_of, north_of = np.where(nearer, across, east_of), np.where(nearer, along, north_of)
     distance = np.sqrt(first)
-    return Cell(distance, np.sqrt(second) - distance, own)
+    return Cell(distance, np.sqrt(second) - distance, own, (east_of, north_of))
 
 
 def random(h: np.ndarray, index: int) -> np.ndarray:

@@ -14,7 +14,7 @@ LITTER, ROCK = np.array([0.092, 0.068, 0.036]), np.array([0.150, 0.134, 0.112])
 FIELD, BANK = np.array([0.0944, 0.0902, 0.0427]), np.array([0.088, 0.072, 0.050])
 GRASS, HAY = np.array([0.076, 0.088, 0.034]), np.array([0.105, 0.095, 0.045])
 STUBBLE, PLOUGHED = np.array([0.125, 0.100, 0.060]), np.array([0.085, 0.062, 0.040])
-TILLED, HEDGES = 0.21, 0.10
+TILLED, HEDGES, SWATH = 0.21, 0.10, 9.0
 
 
 def cover(site: Sites) -> Covers:
@@ -25,6 +25,7 @@ def cover(site: Sites) -> Covers:
     small = speckle(east, north, 6, step, seed + 303)
     groves = speckle(east, north, 5, step, seed + 316)
     clumps = faded(east, north, 4, step, seed + 314)
+    tufts = speckle(east, north, 3, step, seed + 317)
     twigs = faded(east, north, 1, step, seed + 311)
 
     gentle = 4.0 * (0.16 - site.slope) - 0.35 * np.maximum(site.relief, 0.0)
@@ -47,7 +48,13 @@ def cover(site: Sites) -> Covers:
     tilled = _mix(TILLED, np.array([0.0, 0.1, 0.5, 1.0])[kind] * inside, seen)
     lined = 1.0 - smoothstep(0.02, 0.05, parcel.border + 0.12 * small)
     hedge = _mix(HEDGES, lined, np.where(seen > 0.0, np.clip(2.0 - step / 8.0, 0.0, 1.0), 0.0))
-    crop = crop * (1.0 + 0.35 * small + 0.25 * middle + 0.25 * clumps[0] + 0.2 * twigs[0])[..., None]
+    angle = 2.0 * np.pi * random(parcel.hash, 6)
+    along = (parcel.centre[0] * np.cos(angle) + parcel.centre[1] * np.sin(angle)) * (256.0 / SWATH)
+    carried = np.where(seen > 0.0, np.clip(2.0 - 4.0 * step / SWATH, 0.0, 1.0), 0.0)
+    swath = np.sin(2.0 * np.pi * along) * inside * carried
+    mottle = 0.35 * small + 0.25 * middle + 0.14 * (clumps[0] + tufts) + 0.2 * twigs[0] + 0.1 * swath
+    crop = crop * (1.0 + mottle)[..., None]
+    tilled = np.clip(tilled * (1.0 + 0.8 * (tufts + twigs[0])), 0.0, 1.0)
 
     bumps = 0.1225 * missing(6, step) + 0.09 * missing(9, step)
     rock = threshold(site.slope + 0.35 * small + 0.3 * middle, 0.86, 0.12, bumps)
