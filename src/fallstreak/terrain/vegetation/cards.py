@@ -1,8 +1,8 @@
 """Pictures of twigs: what the cards of trees and shrubs are covered with, drawn by code.
 
-Four layers, rgba8: a spruce's frond, a spray of leaves, a spray of small leaves, bark. Red is the tone (0.5 is
-the mean of what stands there), green says leaf or needle (1) or wood (0), blue how much sky reaches it, alpha how
-much of the texel is covered; red, green and blue are multiplied by alpha, so that mips need no care.
+Four layers, rgba8: a spruce's frond, a spray of leaves, a spray of small leaves, bark. Red is the tone (0.5
+is the mean of what stands there), green says leaf or needle (1) or wood (0), blue how much sky reaches it,
+alpha how much of the texel is covered; red, green and blue are multiplied by alpha, so that mips need no care.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FINE = 2  # drawn so many times larger, then averaged
 def cards() -> np.ndarray:
     """All layers, (4, SIZE, SIZE, 4) uint8; row 0 is where the twig begins."""
     rng = np.random.default_rng(20)
-    layers = [_frond(rng), _spray(rng, 230, 0.11, 0.5), _spray(rng, 420, 0.07, 0.4), _bark(rng)]
+    layers = [_frond(rng), _spray(rng, 400, 0.082, 0.5), _spray(rng, 420, 0.07, 0.4), _bark(rng)]
     return np.stack(layers)
 
 

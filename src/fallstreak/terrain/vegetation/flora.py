@@ -2,8 +2,8 @@
 
 `FLORA` maps a terrain's material (its country) to species. A species stands in a cell of its kind's lattice
 with the probability that its ground gives it: `growth` times the cover's growth, plus `soil[name]` times the
-share of each base material there. Heights of trees after the usual yield tables, albedos of leaves after field
-spectra: conifers .03-.06, broad-leaved trees .04-.10, sage and heath .08-.14.
+share of each base material there. Heights of trees after the usual yield tables, albedos of leaves after
+field spectra: conifers .03-.06, broad-leaved trees .04-.10, sage and heath .08-.14.
 """
 
 from __future__ import annotations

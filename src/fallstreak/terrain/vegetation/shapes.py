@@ -42,6 +42,7 @@ def _frond(b: Builder, rng: np.random.Generator, z: float, turn: float, length: 
     half = length * (0.29 if stations > 2 else 0.36) + 0.010
     fold = np.radians(rng.uniform(26, 48))
     roll = rng.normal(0.0, 0.25)
+    ruffle = rng.normal(0.0, 0.16, 3)
     places, normals, uv, sky = [], [], [], []
     for row, at in zip(s, axis, strict=True):
         for across in (-1.0, 0.0, 1.0):
@@ -50,7 +51,7 @@ def _frond(b: Builder, rng: np.random.Generator, z: float, turn: float, length: 
                 across * np.cos(tilt) * side - (abs(across) * np.sin(fold) + across * np.sin(roll)) * UP
             )
             places.append(at + arm)
-            normals.append(0.6 * (out * (0.35 + row)) + 0.5 * UP + 0.55 * across * side)
+            normals.append(ruffle + 0.6 * (out * (0.35 + row)) + 0.5 * UP + 0.55 * across * side)
             uv.append((0.5 + 0.5 * across, row))
             sky.append(0.22 + 0.78 * row**0.8 * (0.62 + 0.38 * z))
     b.add(
@@ -79,7 +80,7 @@ def conifer(level: int = 0) -> Mesh:
     b = Builder()
     fine = level == 0
     _trunk(b, 0.97, 0.0125, 7 if fine else 4, 7 if fine else 3)
-    heights = 0.085 + 0.885 * np.linspace(0.0, 1.0, 34 if fine else 17) ** 0.92
+    heights = 0.085 + 0.885 * np.linspace(0.0, 1.0, 34 if fine else 21) ** 0.92
     phase = rng.uniform(0, 2 * np.pi, 3)
     for i, base in enumerate(heights):
         count = (8 if base < 0.8 else 5) if fine else (7 if base < 0.75 else 5)
@@ -117,7 +118,9 @@ def _card(
     along = _unit(np.cross(face, rng.normal(size=3)))
     across = np.cross(face, along)
     places = at + size * np.array([-across - along, across - along, across + along, -across + along])
-    normals = np.array([normal] * 4) + 0.35 * (places - at) / size
+    normal = normal + rng.normal(0.0, 0.28, 3)
+    normals = np.array([normal] * 4) + 0.4 * (places - at) / size
+    sky *= rng.uniform(0.7, 1.0)
     uv = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
     triangles = np.array([(0, 1, 2), (0, 2, 3)])
     b.add(places, normals, uv, triangles, sky=sky, bend=bend, phase=rng.uniform(), leaf=1.0)
@@ -149,9 +152,9 @@ def _crown(
                 continue
             made += 1
             outward = _unit(at - middle)
-            normal = _unit(0.6 * out + 0.6 * outward + 0.25 * UP)
+            normal = _unit(0.6 * out + 0.6 * outward + 0.4 * UP)
             height = (at[2] - low) / (high - low)
-            sky = np.clip((0.30 + 0.35 * depth) * (0.75 + 0.35 * out[2]) + 0.30 * height, 0.15, 1.0)
+            sky = np.clip((0.30 + 0.35 * depth) * (0.75 + 0.35 * out[2]) + 0.30 * height, 0.30, 1.0)
             _card(b, rng, at, size * rng.uniform(0.75, 1.25), normal, float(sky), 0.4 + 0.6 * float(depth))
 
 
@@ -187,7 +190,7 @@ def broadleaf(level: int = 0) -> Mesh:
         end = lump[:3]
         knee = 0.5 * (start + end) - 0.03 * UP
         b.tube(np.stack([start, knee, end]), np.array([0.008, 0.006, 0.002]), 4, np.zeros(3), sky=0.35)
-    _crown(b, rng, lumps, 620 if fine else 120, 0.058 if fine else 0.115, middle, 0.16)
+    _crown(b, rng, lumps, 700 if fine else 210, 0.058 if fine else 0.088, middle, 0.16)
     return b.mesh()
 
 
@@ -204,7 +207,7 @@ def shrub(level: int = 0) -> Mesh:
         for lump in lumps:
             points = np.stack([np.zeros(3), 0.5 * lump[:3] - [0, 0, 0.06], lump[:3]])
             b.tube(points, np.array([0.022, 0.016, 0.006]), 3, np.zeros(3), sky=0.35)
-    _crown(b, rng, lumps, 130 if fine else 34, 0.155 if fine else 0.27, middle, 0.02)
+    _crown(b, rng, lumps, 130 if fine else 52, 0.155 if fine else 0.20, middle, 0.02)
     return b.mesh()
 
 
@@ -235,11 +238,11 @@ def rock(level: int = 0) -> Mesh:
     """A boulder: a ball that planes have cut, weathered, a third of it under the ground."""
     rng = np.random.default_rng(3)
     directions, faces = _ball(4 if level == 0 else 2)
-    planes = _unit(rng.normal(size=(13, 3)) * [1.0, 1.0, 0.8])
-    distance = rng.uniform(0.62, 0.92, 13)
+    planes = _unit(rng.normal(size=(15, 3)) * [1.0, 1.0, 0.8])
+    distance = rng.uniform(0.55, 0.86, 15)
     cut = distance / np.maximum(directions @ planes.T, 1e-3)
-    radius = np.minimum(-np.log(np.exp(-24 * np.minimum(cut, 2.0)).sum(1)) / 24, 1.0)
-    for scale, height in ((2.2, 0.06), (4.7, 0.03), (9.0, 0.016)):
+    radius = np.minimum(-np.log(np.exp(-70 * np.minimum(cut, 2.0)).sum(1)) / 70, 1.0)
+    for scale, height in ((2.2, 0.10), (5.0, 0.06), (11.0, 0.035)):
         wave, shift = rng.normal(size=(6, 3)) * scale, rng.uniform(0, 2 * np.pi, 6)
         radius = radius + height * np.sin(directions @ wave.T + shift).mean(1)
     places = directions * radius[:, None] * [0.8, 0.62, 0.62]
@@ -248,7 +251,7 @@ def rock(level: int = 0) -> Mesh:
     normals = np.zeros_like(places)
     for k in range(3):
         np.add.at(normals, faces[:, k], flat)
-    places[:, 2] = places[:, 2] + 0.36
+    places = 1.2 * places + 0.36 * UP
     sky = np.clip(0.35 + 0.65 * places[:, 2] / 0.5, 0.25, 1.0) * (0.7 + 0.3 * _unit(normals)[:, 2])
     fold = np.abs(directions).sum(1, keepdims=True)
     uv = (
