@@ -2,7 +2,7 @@
 
 How steep waves are follows from the wind (Cox & Munk 1954). In the equilibrium range every octave of
 wavelengths has the same share of it (Phillips 1958: elevation spectrum k⁻³), so one picture of four octaves
-serves at every scale; what a pixel cannot resolve becomes roughness: so far water glitters as wide as it does.
+serves at every scale; what a pixel cannot resolve becomes roughness, so that far water glitters broadly.
 """
 
 from __future__ import annotations
