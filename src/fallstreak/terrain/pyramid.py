@@ -18,6 +18,7 @@ from .elevation import bilinear
 from .spline import blur, coefficients
 
 SIZE = 768
+_THREADS = min(os.cpu_count() or 1, 8)
 MAX_LEVELS = 6  # 6 · 768² · (4 + 4) bytes = 28 MB on the GPU
 
 
@@ -94,7 +95,8 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
     for level in range(levels):
         spacing = coarsest / 2 ** (levels - 1 - level)
         heights.append(_sample_level(land, spacing, heights[-1] if heights else None))
-    splines = np.stack([coefficients(h) for h in heights])
+    with ThreadPoolExecutor(_THREADS) as pool:
+        splines = np.stack(list(pool.map(coefficients, heights)))
     spacing0 = coarsest / 2 ** (levels - 1)
     return Pyramid(extent, spacing0, splines.astype(np.float32), _lost(splines, spacing0), land.outside)
 
@@ -116,7 +118,7 @@ def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.nd
 
     # Narrow strips stay in the processor's cache, and numpy lets threads work side by side.
     strips = [(i, i + 192, left, right) for low, high, left, right in parts for i in range(low, high, 192)]
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+    with ThreadPoolExecutor(_THREADS) as pool:
         list(pool.map(fill, strips))
     return out
 
@@ -126,12 +128,17 @@ def _lost(splines: np.ndarray, spacing0: float) -> np.ndarray:
     much of the slopes about as there."""
     out = np.zeros(splines.shape)
     a, b = SIZE // 4, 3 * SIZE // 4
+
+    def slopes(k: int) -> tuple[np.ndarray, np.ndarray]:
+        square = _slope_square(splines[k], spacing0 * 2**k)
+        return square, blur(square, 4.0) if k else square
+
+    with ThreadPoolExecutor(_THREADS) as pool:
+        levels = list(pool.map(slopes, range(len(splines))))
     finer = None
-    for k, spline in enumerate(splines):
-        square = _slope_square(spline, spacing0 * 2**k)
+    for k, (square, about) in enumerate(levels):
         if finer is not None:
             left = np.maximum(finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3)) - square[a:b, a:b], 0.0)
-            about = blur(square, 4.0)
             share = left.mean() / max(about[a:b, a:b].mean(), 1e-9)
             out[k] = share * about
             out[k, a:b, a:b] = left

@@ -84,7 +84,7 @@ def _taps(grid: np.ndarray, column: np.ndarray, row: np.ndarray) -> Iterator[lis
     columns = [np.clip(j + k, 0, grid.shape[1] - 1) for k in range(-1, 3)]
     for k in range(-1, 3):
         start = np.clip(i + k, 0, grid.shape[0] - 1) * grid.shape[1]
-        yield [flat[start + c] for c in columns]
+        yield [flat.take(start + c, mode="clip") for c in columns]
 
 
 def blur(values: np.ndarray, radius: float) -> np.ndarray:
@@ -95,8 +95,5 @@ def blur(values: np.ndarray, radius: float) -> np.ndarray:
         pad = [(0, 0), (0, 0)]
         pad[axis] = (width // 2 + 1, width // 2)
         total = np.cumsum(np.pad(out, pad, mode="edge"), axis=axis)
-        out = (
-            np.take(total, range(width, total.shape[axis]), axis)
-            - np.take(total, range(total.shape[axis] - width), axis)
-        ) / width
+        out = (total[width:] - total[:-width] if axis == 0 else total[:, width:] - total[:, :-width]) / width
     return out
