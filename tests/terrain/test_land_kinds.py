@@ -10,7 +10,7 @@ import pytest
 
 from fallstreak.gpu import FrameGraph, shader
 from fallstreak.terrain.land.alpine import Alpine
-from fallstreak.terrain.land.shape import LAND, land_values
+from fallstreak.terrain.land.shape import LAND, NO_WATER
 from fallstreak.world.terrain import PRESETS
 
 PROBE = Path(__file__).with_name("land_probe.wesl")
@@ -18,9 +18,13 @@ SEED = 104
 KINDS = {"alpine": Alpine}
 
 
-def parameters(kind, **changes):
-    given = {"roughness": 0.5, "water_level": None, "vertical_exaggeration": 1.0}
-    return SimpleNamespace(**(given | PRESETS[kind] | changes))
+def land_of(kind, **changes):
+    given = {"roughness": 0.5, "water_level": NO_WATER} | PRESETS[kind] | changes
+    return {name: given[name] for name, _, _ in LAND.fields}
+
+
+def make(kind, **changes):
+    return KINDS[kind](SimpleNamespace(**land_of(kind, **changes)), SEED)
 
 
 @pytest.fixture
@@ -49,7 +53,7 @@ def on_gpu(device, kind, east, north, step, **changes):
         places["local"][: len(east), axis] = x - places["tile"][: len(east), axis]
     places["step"][: len(east)] = step
     graph = FrameGraph(device)
-    graph.uniform("land", LAND).set(**land_values(parameters(kind, **changes)))
+    graph.uniform("land", LAND).set(**land_of(kind, **changes))
     graph.buffer_data("places", places.view(np.uint8))
     graph.buffer("found", count * 32)
     graph.compute(
@@ -76,7 +80,7 @@ def scattered(count=2000, seed=0):
 def test_the_gpu_s_land_is_the_cpu_s(device, probe, kind, changes):
     east, north, step = scattered()
     found = on_gpu(device, kind, east, north, step, **changes)
-    want = KINDS[kind](parameters(kind, **changes), SEED).shape(east, north, step)
+    want = make(kind, **changes).shape(east, north, step)
     for i, name in enumerate(("height", "water", "shift_east", "shift_north", "lost", "open")):
         error = np.abs(found[:, i] - getattr(want, name))
         print(

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..octaves import wide
 from .erosion import Gullies, Relief, carve, fill, roughen
-from .shape import LandShape, land_values
+from .shape import LandShape
 
 MASSIF = (0.5, 0.5, 0.22)  # amplitudes of the large forms over the relief, each half as wide as the last
 SCALE = 0.85  # of all heights, so that summits stand about one relief above the valleys
@@ -19,7 +19,7 @@ ROCK, TURF = 0.16, 0.012  # amplitude over wavelength of the noise, on steep gro
 
 
 class Alpine:
-    """Ranges with sharp crests, cirques and flat-floored valleys; see `world.terrain` for the parameters.
+    """Ranges with sharp crests, cirques and flat-floored valleys; see `world.terrain` for the parameters (`LAND`).
 
     Attributes
     ----------
@@ -31,11 +31,10 @@ class Alpine:
     native = 0.5
     shift_bound = 0.0
 
-    def __init__(self, terrain: Any, seed: int):
-        land = land_values(terrain)
-        self.base, self.relief, self.roughness = land["base_height"], land["relief"], land["roughness"]
-        self.water_level, self.seed = land["water_level"], seed
-        self.power = large_power(land["feature_size"])
+    def __init__(self, land: Any, seed: int):
+        self.base, self.relief, self.roughness = land.base_height, land.relief, land.roughness
+        self.water_level, self.seed = land.water_level, seed
+        self.power = large_power(land.feature_size)
         self.outside = self.base - FLOOR * self.relief
 
     def bounds(self) -> tuple[float, float]:
