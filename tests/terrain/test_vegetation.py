@@ -1,8 +1,9 @@
-"""Plants and rocks: their shapes, where they stand, how levels of detail share their pixels, how they sway."""
+"""Plants and rocks: their shapes, where they stand, how levels of detail share pixels, how they sway."""
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -170,7 +171,7 @@ def test_plants_do_not_depend_on_where_they_are_seen_from(device):
     for east in (0.0, 23.0):
         meadow.draw(east, 0.0, 20.0, 0.0, -10.0)
         parts = [meadow.placed("conifer", level) for level in range(3)]
-        feet = np.concatenate([p[0] for p in parts]) + [east, 0.0, 20.0]
+        feet = np.concatenate([p[0] for p in parts]) + np.array([east, 0.0, 20.0])
         look = np.concatenate([np.column_stack([p[1], p[2][:, 1:3]]) for p in parts])
         order = np.unique(np.round(feet[:, :2], 1), axis=0, return_index=True)[1]
         found.append({tuple(np.round(feet[i, :2], 1)): look[i] for i in order})
@@ -194,7 +195,7 @@ def test_levels_of_detail_share_every_plant_without_gap_or_overlap(device):
         drawn.sort()
         shared += len(drawn) > 1
         assert drawn[0][0] == 0.0
-        assert all(a[1] == b[0] for a, b in zip(drawn, drawn[1:], strict=False))
+        assert all(a[1] == b[0] for a, b in pairwise(drawn))
         if np.linalg.norm(foot) < far:
             assert drawn[-1][1] == 1.0
     assert shared > 5

@@ -2,7 +2,7 @@
 
 Four layers, rgba8: a spruce's frond, a spray of leaves, a spray of small leaves, bark. Red is the tone (0.5
 is the mean of what stands there), green says leaf or needle (1) or wood (0), blue how much sky reaches it,
-alpha how much of the texel is covered; red, green and blue are multiplied by alpha, so that mips need no care.
+alpha how much of the texel is covered; the others are multiplied by alpha, so that mips need no care.
 """
 
 from __future__ import annotations
