@@ -27,6 +27,7 @@ _REGION = 45e3  # m, size of the invented ranges and lowlands
 _TURN = np.radians(35.0)  # pieces turn by at most this: ranges keep the grain of the land
 _MEMORY = 30e3  # m, how far the model's edge still rules what lies beyond
 _ENOUGH = 400_000  # samples, to know their distribution
+_REGIONS = 512  # samples across the picture of regions, at most
 _JOIN = 0.08  # of the model's width: how far in from its edge it is itself alone
 
 
@@ -159,12 +160,15 @@ class FileLand:
         normal = self._normal(heights)
         self._normal_levels = [coefficients(normal), *(self._normal(level) for level in self.mips.kept[1:])]
         self.edge = 0.24 * self.size  # of the triangles
-        radius = 0.5 * self.edge / (self.native * 2**self.mips.first)
-        self._region = blur(normal, radius)
+        # what a region is like at large: a coarse level will do
+        step = -(-max(normal.shape) // _REGIONS)
+        self._region_level = self.mips.first, step
+        radius = 0.5 * self.edge / (self.native * 2**self.mips.first * step)
+        self._region = blur(normal[::step, ::step], radius)
         self._region_spread = max(float(self._region.std()), 1e-3)
         # pieces of what was filled in are none
         known = self.grid.overview.known
-        self._unsuited = 0.0 * self._region if known is None else 20.0 * blur(~known, radius)
+        self._unsuited = 0.0 * self._region if known is None else 20.0 * blur(~known[::step, ::step], radius)
         self._pieces: dict[tuple[int, int], tuple[float, float, float, float]] = {}
 
     def _normal(self, heights):
@@ -238,6 +242,7 @@ class FileLand:
         return table
 
     def _at(self, kept: np.ndarray, column, row):
-        """Values of a picture of the finest kept level by samples of the file."""
-        i, j = (x.astype(int) >> self.mips.first for x in (row, column))
+        """Values of the regions' picture by samples of the file."""
+        first, step = self._region_level
+        i, j = ((x.astype(int) >> first) // step for x in (row, column))
         return kept[np.minimum(i, kept.shape[0] - 1), np.minimum(j, kept.shape[1] - 1)]
