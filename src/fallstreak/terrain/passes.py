@@ -15,7 +15,7 @@ from .frame import TERRAIN_FRAME
 from .land.levels import Levels
 from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
-from .vegetation import Vegetation
+from .vegetation import Vegetation, tree_radius
 from .water import add_water, water_constants
 
 MAX_NODES = 2048
@@ -141,7 +141,7 @@ class Terrain:
             structs=[TERRAIN_FRAME],
             constants={
                 **constants,
-                **ground_constants(cover_palette(world.terrain.material)),
+                **ground_constants(cover_palette(world.terrain.material), tree_radius(world, quality)),
                 **water_constants(world.terrain, world.seed, self.model.island),
             },
             flags={

@@ -1,5 +1,5 @@
 """Trees, shrubs and rocks."""
 
-from .passes import Vegetation
+from .passes import Vegetation, tree_radius
 
-__all__ = ["Vegetation"]
+__all__ = ["Vegetation", "tree_radius"]

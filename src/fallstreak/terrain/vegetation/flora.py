@@ -85,7 +85,8 @@ FLORA: dict[str, dict[str, Species]] = {
     "temperate": {
         "conifer": Species((7.0, 20.0), _SPRUCE, growth=0.10),
         # October: what has turned, and what is still green
-        "broadleaf": Species((8.0, 19.0), ((0.040, 0.052, 0.015), (0.110, 0.062, 0.016)), growth=0.95),
+        "broadleaf": Species((8.0, 19.0), ((0.044, 0.062, 0.018), (0.112, 0.068, 0.017)), growth=0.95,
+                             of_ground=0.5),
         "shrub": Species((0.5, 2.0), ((0.045, 0.052, 0.020), (0.085, 0.070, 0.028)), growth=0.10,
                          soil={"forest_floor": 0.06, "shrubs": 0.6, "grass": 0.012}, rarity=1.5),
         "rock": _rocks(_STONES | {"forest_floor": 0.01}, (0.12, 1.6)),

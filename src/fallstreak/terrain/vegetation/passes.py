@@ -60,6 +60,13 @@ def _plants_struct(kinds: int) -> Struct:
     )
 
 
+def tree_radius(world: Any, quality: Any) -> float:
+    """How far trees stand about the camera, m; 0 where none ever grow."""
+    country = FLORA.get(world.terrain.material, {})
+    trees = any(kind.reach == 1.0 and kind.name in country for kind in KINDS)
+    return float(quality.vegetation_radius) if trees and world.terrain.vegetation > 0.5 else 0.0
+
+
 @dataclass(frozen=True)
 class _Stand:
     """A kind as a country has it, and the room for its instances."""
