@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bake the ground's base materials: python script/build_materials.py [name …]
+"""Bake the ground's base materials: python script/build_materials.py [name …], or their sheet: … --sheet
 
 Writes two pictures per material to src/fallstreak/terrain/materials/data: `<name>.jpg`, the square root of
 the colour's detail (mean 1/2 in linear light, so that a colour times twice the detail keeps its mean), and
@@ -18,9 +18,11 @@ from material_recipes import RECIPES
 from material_tools import Canvas, blurred, halved
 from PIL import Image
 
-from fallstreak.terrain.materials.library import MATERIALS, SIDE, Material
+from fallstreak.terrain.materials import MATERIALS, SIDE, Material, load_materials
 
-FOLDER = Path(__file__).parents[1] / "src/fallstreak/terrain/materials/data"
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "src/fallstreak/terrain/materials/data"
+SHEET = ROOT / "docs/terrain/materials.png"
 COLOUR_QUALITY, SHAPE_QUALITY = 78, 70
 FLATTEN = 0.8  # how much of the differences between parts of a tile is taken out: they would show its repeats
 
@@ -99,7 +101,29 @@ def write(name: str, detail: np.ndarray, planes: np.ndarray) -> tuple[int, int]:
     return paths[0].stat().st_size, paths[1].stat().st_size
 
 
+def sheet(columns: int = 5, side: int = 150) -> None:
+    """docs/terrain/materials.png: all materials, each a tile, under a sun 35° high in the west-northwest."""
+    color, shape = (a.astype(float) / 255 for a in load_materials())
+    sun = np.array([-0.75, 0.32, 0.57])
+    pictures = []
+    for material in MATERIALS.values():
+        tilt = (shape[material.layer, ..., :2] * 255 - 128) / 127 * material.steepest
+        normal = np.concatenate([-tilt, np.ones((SIDE, SIDE, 1))], 2)
+        light = np.maximum(normal @ sun, 0.0) / np.linalg.norm(normal, axis=2)
+        light = 1.5 * light + 0.4 * shape[material.layer, ..., 3]
+        tint = np.array(material.albedo) / np.sqrt(np.mean(material.albedo))  # dark ones brighter, hues kept
+        seen = np.clip(1.2 * color[material.layer, ..., :3] * tint * light[..., None], 0, 1) ** (1 / 2.2)
+        picture = Image.fromarray(np.uint8(255 * seen[::-1])).resize((side, side), Image.Resampling.LANCZOS)
+        pictures.append(np.asarray(picture))
+    rows = [np.concatenate(pictures[k : k + columns], 1) for k in range(0, len(pictures), columns)]
+    SHEET.parent.mkdir(exist_ok=True)
+    Image.fromarray(np.concatenate(rows)).quantize(160, dither=Image.Dither.NONE).save(SHEET, optimize=True)
+    print(f"{SHEET.stat().st_size // 1024} KiB in {SHEET.name}")
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["--sheet"]:
+        sys.exit(sheet())
     unknown = [name for name in sys.argv[1:] if name not in MATERIALS]
     if unknown:
         sys.exit(f"no such material: {', '.join(unknown)}; there are {', '.join(MATERIALS)}")
