@@ -12,6 +12,7 @@ from .cover import Covers, Sites
 PALETTE = ("sandstone", "limestone", "scree", "sand", "soil", "shrubs")
 
 RED, BUFF = np.array([0.330, 0.185, 0.108]), np.array([0.450, 0.330, 0.220])
+DEEP, PALE = np.array([0.270, 0.138, 0.082]), np.array([0.520, 0.410, 0.300])
 SHALE, ROCK = np.array([0.235, 0.130, 0.088]), np.array([0.345, 0.215, 0.135])
 VARNISH = np.array([0.105, 0.075, 0.060])
 SAND, CRUST = np.array([0.345, 0.225, 0.140]), np.array([0.215, 0.140, 0.092])
@@ -38,19 +39,20 @@ def cover(site: Sites) -> Covers:
     e, n = Graded(east, one, 0.0 * one), Graded(north, 0.0 * one, one)
     along = height - folds(e, n, seed).value + thickening(e, n, step, seed)
     layer = layer_of(along, LAYER, seed + 40)
-    rise = step * np.minimum(site.slope, 4.0)
-    told = np.clip(2.0 - 4.0 * rise / LAYER, 0.0, 1.0)
-    weak = 1.0 - smoothstep(-0.05, 0.05, (along - layer.low) / layer.thick - (1.0 - cliff_of(layer)))
-    buff = smoothstep(0.45, 0.85, layer.own[2])
-    bed = hardness(along, seed + 42) * np.clip(2.0 - 4.0 * rise / BED, 0.0, 1.0)
-    rock = _mix(RED, BUFF, 0.8 * buff)
-    rock = _mix(rock, SHALE, 0.55 * weak)
-    rock = _mix(ROCK, rock, told)
-    pale = np.clip(0.5 * bed + 0.25 * buff * told, 0.0, 1.0)
-    rock = rock * (1.0 + 0.28 * bed + 0.25 * middle + 0.3 * lines + 0.2 * fine)[..., None]
-
     held = np.hypot(site.normal[..., 0], site.normal[..., 1]) / np.maximum(site.normal[..., 2], 0.05)
     left = np.sqrt(np.maximum(site.slope**2 - held**2, 0.0))
+    rise = step * np.minimum(held, 4.0)
+    told = np.clip(2.0 - 2.0 * rise / LAYER, 0.0, 1.0)
+    weak = 1.0 - smoothstep(-0.05, 0.05, (along - layer.low) / layer.thick - (1.0 - cliff_of(layer)))
+    buff = smoothstep(0.5, 0.8, layer.own[2])
+    bed = hardness(along, seed + 42) * np.clip(2.0 - 2.0 * rise / BED, 0.0, 1.0)
+    rock = _mix(_mix(DEEP, RED, smoothstep(0.1, 0.4, layer.own[2])), BUFF, buff)
+    rock = _mix(rock, SHALE, 0.55 * weak)
+    rock = _mix(ROCK, rock, told * (held + 0.3) / (held + 0.3 + left))
+    rock = _mix(rock, np.where((bed > 0.0)[..., None], PALE, SHALE), 0.6 * np.abs(bed))
+    pale = np.clip(0.5 * bed + 0.25 * buff * told, 0.0, 1.0)
+    rock = rock * (1.0 + 0.25 * middle + 0.3 * lines + 0.2 * fine)[..., None]
+
     rough = 0.16 * lost_small + 0.09 * lost_streaks
     wall = np.maximum(threshold(held + 0.4 * small + 0.3 * streaks, 1.05, 0.2, rough), left / (left + 3.0))
     rough = lost_streaks + 0.64 * lost_lines + 0.81 * lost_middle + 0.09 * lost_small

@@ -14,6 +14,8 @@ from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
+MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
+REACH = 58.0  # m, of shifts
 BANK = 4.0  # m, of the gorge's floor above the river
 
 
@@ -28,7 +30,7 @@ class Canyons:
     """
 
     native = 1.0
-    shift_bound = 60.0
+    shift_bound = REACH + 1.0
 
     def __init__(self, land: Any, seed: int):
         self.base, self.relief = land.base_height, land.relief
@@ -36,7 +38,8 @@ class Canyons:
         self.power = int(np.clip(np.round(np.log2(land.feature_size)), 10, 14))
         self.outside = self.base
         self.rim = rim_of(self.base)
-        self.top = float(border(np.array(float(self.rim)), LAYER, seed + 40))
+        self.top, above = (float(border(np.array(self.rim + i), LAYER, seed + 40)) for i in (0.0, 1.0))
+        self.mesa = above - self.top
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
@@ -59,7 +62,7 @@ class Canyons:
 
         # alcoves and spurs of the walls
         wave8, wave7, wave6, wave5 = noise(8, 30), noise(7, 31), noise(6, 32), noise(5, 33)
-        bays = 40.0 * wave8 + 26.0 * wave7 + 13.0 * wave6 + 6.0 * wave5
+        bays = 40.0 * wave8 + 26.0 * wave7 + 10.0 * wave6 + 4.0 * wave5
         fans = 40.0 * wave7 - 26.0 * wave6
         place = waves(e, n, 12, seed + 34)
 
@@ -71,6 +74,9 @@ class Canyons:
         )
         bare = ramp(noise(10, 38) + 0.5 * place, -0.25, 0.35)
         plateau = bedding + domes * bare + 20.0 * noise(10, 38) - 6.0
+        # on it mesas, one layer high
+        mesa = away(0.6 * place + noise(10, 38) + 0.3 * wave8 - 0.26, 6e-4) + 0.5 * bays
+        plateau = plateau + ramp(mesa, -22.0, 22.0) * self.mesa
         wash = (1.0 - ramp(g.side, 0.0, 90.0)) * g.divide * g.side_there
         plateau = plateau - 10.0 * wash
 
@@ -117,17 +123,27 @@ class Canyons:
         open_ = np.minimum(open_, _sky(g.slot.value + 0.6 * bays.value, width, plateau.value - y3.value))
         y = least(y, y3, 14.0)
 
+        # what steps are too long for is taken from everywhere alike
+        y = y - relief * (MEAN_MAIN * (1.0 - fade) + MEAN_SIDE * (1.0 - fade2))
+
         # walls: layers
         slope = y.slope
         along = y.value - lean.value + thickening(e, n, step, seed)
-        layer = terrace(along, 0.25 + 0.9 * wave7.value, self.rim, seed + 40)
-        steep = _smooth(slope, 0.75, 1.5)
+        layer = terrace(along, 0.02 + 1.1 * wave7.value, self.rim, seed + 40)
+        steep = _smooth(slope, 0.9, 1.7)
         held = np.clip(2.0 - 4.0 * step * slope / layer.thick, 0.0, 1.0)
         height = y.value + steep * held * layer.rise
-        # metres out from the wall: beds, clefts
-        cleft = rounded_size(noise(4, 45), 0.03).value + 0.5 * rounded_size(noise(3, 46), 0.03).value
+        # metres out from the wall: the layer, its beds, and joints and clefts that end where the layer does
+        moved = e + layer.number * (5 * 4096.0)
+
+        def joint(power, number):
+            return waves(moved, n, power, seed + number) * octave_weight(power, step)
+
+        joints = 12.0 * joint(6, 47).value + 8.0 * joint(5, 48).value
+        joints = joints + 4.0 * rounded_size(joint(4, 45), 0.03).value
+        joints = joints + 2.0 * rounded_size(joint(3, 46), 0.03).value
         beds = hardness(along + steep * held * layer.rise, seed + 42) * octave_weight(4, 4.0 * step)
-        out = steep * (3.0 * beds + 4.0 * cleft - held * layer.back / np.maximum(slope, 0.75))
+        out = steep * (3.6 * beds + held * (layer.firm * joints - layer.back / np.maximum(slope, 1.4)))
 
         # what lies about: blocks on the talus, bars beside the river
         rubble = _smooth(slope, 0.25, 0.5) * (1.0 - steep)
@@ -148,7 +164,7 @@ class Canyons:
 
         spread = np.hypot(WALL * relief, step) / (WALL * relief)
         lost = np.sqrt(slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2)
-        over = np.where(slope > 1e-3, out / np.maximum(slope, 1e-3), 0.0)
+        over = np.clip(out, -REACH, REACH) / np.maximum(slope, 1e-3)
         return LandShape(
             height,
             zero + river.value,
@@ -176,9 +192,9 @@ def _trench(d: Graded, width, half) -> Graded:
 
 def _sky(d, width, below):
     """Share of the sky over a place in a trench, weighted by the cosine: half the sines of its two angles."""
-    below = np.maximum(below, 0.5)
+    below = np.maximum(below, 0.0)
     d = np.abs(d)
-    near, far = np.maximum(width - d, 0.0) + 0.1 * below, width + d
+    near, far = np.maximum(width - d, 0.0) + 0.1 * below + 1.0, width + d
     return 0.5 * (near / np.hypot(near, below) + far / np.hypot(far, below))
 
 

@@ -74,12 +74,16 @@ class Terrace(NamedTuple):
     back : m of height of mean slope by which it lies farther back; over the slope it is metres
     thick : m, of the layer
     under : 0…1, how far below the brow of an overhang
+    firm : 1 in the cliff, 0 at the foot of the slope
+    number : of the layer
     """
 
     rise: np.ndarray
     back: np.ndarray
     thick: np.ndarray
     under: np.ndarray
+    firm: np.ndarray
+    number: np.ndarray
 
 
 def terrace(height, overhang, rim: int, seed: int) -> Terrace:
@@ -92,9 +96,8 @@ def terrace(height, overhang, rim: int, seed: int) -> Terrace:
     soft = q < part
     rise = np.where(soft, up * (1.0 - cliff), 1.0 - cliff + cliff * s)
     back = np.where(soft, up * (1.0 + overhang), 1.0 + overhang * (1.0 - s) ** 2)
-    return Terrace(
-        (rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, np.where(soft, up, 1.0 - s)
-    )
+    under = np.where(soft, up, 1.0 - s)
+    return Terrace((rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, up * up, layer.number)
 
 
 def hardness(height, seed: int):
