@@ -10,12 +10,14 @@ import pytest
 
 from fallstreak.gpu import FrameGraph, shader
 from fallstreak.terrain.land.alpine import Alpine
+from fallstreak.terrain.land.dunes import Dunes
+from fallstreak.terrain.land.plains import Plains
 from fallstreak.terrain.land.shape import LAND, NO_WATER
 from fallstreak.world.terrain import PRESETS
 
 PROBE = Path(__file__).with_name("land_probe.wesl")
 SEED = 104
-KINDS = {"alpine": Alpine}
+KINDS = {"alpine": Alpine, "plains": Plains, "dunes": Dunes}
 
 
 def land_of(kind, **changes):
