@@ -28,6 +28,7 @@ from ...world.errors import WorldError, shorten
 from .checks import Axes, axes_from_edges, check_degrees, check_shape, crs_by_name
 from .grid import ElevationGrid
 from .raster import Piece, Raster, Span
+from .scratch import ScratchRaster
 
 LARGEST = 12_000 * 12_000  # samples: a picture can only be unpacked as a whole
 _EDGES = ("west", "east", "south", "north")
@@ -89,21 +90,21 @@ def open_picture(path: Path) -> Any:
 
 
 class _Picture(Raster):
-    """Unpacked at the first reading; what Pillow holds is cut into strips without a second copy."""
+    """Unpacked at the first reading, as a whole, and then no longer kept in memory."""
 
     def __init__(self, path: Path, shape, scale: float, offset: float, nodata: float | None):
         self.path, self.name, self.shape = path, str(path), shape
         self.scale, self.offset, self.nodata = scale, offset, nodata
 
     @cached_property
-    def image(self) -> Any:
-        return open_picture(self.path)
+    def unpacked(self) -> Raster:
+        image = open_picture(self.path)
+        high, wide = self.shape
+        parts = (image.crop((0, top, wide, min(top + 256, high))) for top in range(0, high, 256))
+        return ScratchRaster(map(np.asarray, parts), self.shape, np.uint16, self.name, self.nodata)
 
     def pieces(self, rows: Span, columns: Span) -> Iterator[Piece]:
-        image = self.image
-        for top in range(rows[0], rows[1], 256):
-            box = (columns[0], top, columns[1], min(top + 256, rows[1]))
-            yield Piece(top, columns[0], lambda b=box: np.asarray(image.crop(b)).astype(np.uint16), self.name)
+        return self.unpacked.pieces(rows, columns)
 
 
 def _sidecar(path: Path) -> dict[str, Any]:
