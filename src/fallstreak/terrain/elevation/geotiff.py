@@ -49,6 +49,8 @@ def _raster(path: Path, page: Any, byteorder: Any, nodata: float | None) -> Rast
     shape = tuple(n for n in page.shape if n > 1) if len(page.shape) == 3 else tuple(page.shape)
     check_shape(path, "the first page", shape, page.dtype if page.dtype is not None else object)
     dtype = np.dtype(page.dtype).newbyteorder(byteorder)
+    if page.bitspersample != 8 * dtype.itemsize:
+        raise WorldError(f"{path}: has {page.bitspersample} bits per sample; allowed are 8, 16, 32 and 64")
     size = path.stat().st_size
     if page.is_contiguous and page.compression == 1 and page.fillorder == 1:
         start = page.dataoffsets[0]

@@ -1,7 +1,7 @@
 """One tile or strip of a TIFF, unpacked to at most its own size, whatever the packed bytes claim.
 
-Deflate and packed bits are unpacked here, the predictors undone (TIFF 6.0, sections 9 and 14; TIFF Technical
-Note 3 for floats); everything else is left to tifffile with imagecodecs, where that is installed.
+Deflate, LZW and packed bits are unpacked here, the predictors undone (TIFF 6.0, sections 9, 13 and 14; TIFF
+Technical Note 3 for floats); everything else is left to tifffile with imagecodecs, where that is installed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class UnreadableError(Exception):
 def unpacker(path: Path, page: Any, dtype: np.dtype, part: tuple[int, int]) -> Unpacker:
     """How the tiles or strips of this page are unpacked; WorldError if nothing here can do it."""
     compression, predictor = int(page.compression), int(page.predictor)
-    own = {_NONE: _plain, _DEFLATE: _inflate, _DEFLATE_OLD: _inflate, _PACKBITS: _packbits}.get(compression)
+    own = _CODECS.get(compression)
     if own is None or predictor not in (1, _HORIZONTAL, _FLOATING) or page.fillorder != 1:
         return _by_tifffile(path, page)
     width = part[1]
@@ -96,6 +96,19 @@ def _packbits(data: bytes, expected: int) -> bytes:
             out += data[at + 1 : at + 2] * (257 - n if n > 128 else 0)
             at += 2 if n > 128 else 1
     return bytes(out)
+
+
+def _lzw(data: bytes, expected: int) -> bytes:
+    from .lzw import unpack
+
+    out = np.empty(expected, np.uint8)
+    count = unpack(np.frombuffer(data, np.uint8), out)
+    if count < 0:
+        raise UnreadableError("a code that stands for nothing")
+    return out[:count].tobytes()
+
+
+_CODECS = {_NONE: _plain, _LZW: _lzw, _DEFLATE: _inflate, _DEFLATE_OLD: _inflate, _PACKBITS: _packbits}
 
 
 def _undo(flat: np.ndarray, dtype: np.dtype, predictor: int) -> np.ndarray:
