@@ -75,7 +75,7 @@ class Canyons:
         bare = ramp(noise(10, 38) + 0.5 * place, -0.25, 0.35)
         plateau = bedding + domes * bare + 20.0 * noise(10, 38) - 6.0
         # on it mesas, one layer high
-        mesa = away(0.6 * place + noise(10, 38) + 0.3 * wave8 - 0.26, 6e-4) + 0.5 * bays
+        mesa = away(0.6 * place + noise(10, 38) + 0.3 * wave8 - 0.36, 6e-4) + 0.5 * bays
         plateau = plateau + ramp(mesa, -22.0, 22.0) * self.mesa
         wash = (1.0 - ramp(g.side, 0.0, 90.0)) * g.divide * g.side_there
         plateau = plateau - 10.0 * wash
@@ -163,7 +163,10 @@ class Canyons:
         height = height + flows * np.minimum(bank - height, 0.0)
 
         spread = np.hypot(WALL * relief, step) / (WALL * relief)
-        lost = np.sqrt(slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2)
+        # domes are some 0.1 steep, of each octave about the same
+        gone = 3.0 - sum(octave_weight(power, step) for power in (8, 7, 6))
+        lost = slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2 + (0.09 * bare.value) ** 2 * gone
+        lost = np.sqrt(lost)
         over = np.clip(out, -REACH, REACH) / np.maximum(slope, 1e-3)
         return LandShape(
             height,

@@ -97,7 +97,9 @@ def terrace(height, overhang, rim: int, seed: int) -> Terrace:
     rise = np.where(soft, up * (1.0 - cliff), 1.0 - cliff + cliff * s)
     back = np.where(soft, up * (1.0 + overhang), 1.0 + overhang * (1.0 - s) ** 2)
     under = np.where(soft, up, 1.0 - s)
-    return Terrace((rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, up * up, layer.number)
+    return Terrace(
+        (rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, up * up, layer.number
+    )
 
 
 def hardness(height, seed: int):
