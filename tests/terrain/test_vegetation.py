@@ -342,3 +342,21 @@ def test_pictures_are_the_same_every_time(device):
         pictures.append([meadow.read(name) for name in (*COLOR, DEPTH)])
     for other in pictures[1:]:
         assert all(np.array_equal(a, b) for a, b in zip(pictures[0], other, strict=True))
+
+
+def test_levels_of_detail_do_not_pop(device):
+    """Along a flight, no 8 × 8 tile changes much more between frames than if all were pictures or meshes."""
+    worst = {}
+    for name, pixels in {"levels": (90.0, 30.0), "meshes": (1e5, 0.5), "pictures": (1e5, 1e4)}.items():
+        meadow = Meadow(device, radius=200.0, pixels=pixels)
+        before, changes = None, []
+        for i in range(16):
+            meadow.draw(0.0, -0.25 * i, 25.0, 0.0, -8.0)
+            albedo = meadow.read("gbuffer.albedo").reshape(SIZE[1], SIZE[0], 4)[:88, :, :3].astype(float)
+            tiles = albedo.reshape(11, 8, SIZE[0] // 8, 8, 3).mean((1, 3))
+            if before is not None:
+                changes.append(np.abs(tiles - before).max())
+            before = tiles
+        worst[name] = max(changes)
+    assert worst["levels"] < 1.25 * max(worst["meshes"], worst["pictures"]), worst
+    assert worst["levels"] < 40.0, worst  # of 255

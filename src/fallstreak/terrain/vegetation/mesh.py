@@ -57,10 +57,10 @@ class Builder:
         *,
         sky: np.ndarray | float,
         bend: np.ndarray | float,
-        phase: float,
+        phase: np.ndarray | float,
         leaf: float,
     ) -> None:
-        """A part: (n, 3) places and normals, (n, 2) uv, (m, 3) triangles; `sky` and `bend` may be (n,)."""
+        """A part: (n, 3) places and normals, (n, 2) uv, (m, 3) triangles."""
         made = np.zeros(len(places), VERTEX)
         made["place"] = places
         length = np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-9)
@@ -100,6 +100,11 @@ class Builder:
     def mesh(self) -> Mesh:
         """All parts together."""
         return Mesh(np.concatenate(self._vertices), np.concatenate(self._indices))
+
+
+def repeated(triangles: np.ndarray, vertices: int, count: int) -> np.ndarray:
+    """The triangles of `count` parts with `vertices` vertices each, one after the other."""
+    return (triangles[None] + vertices * np.arange(count)[:, None, None]).reshape(-1, 3)
 
 
 def grid(rows: int, columns: int) -> np.ndarray:

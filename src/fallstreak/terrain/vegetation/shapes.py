@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .mesh import Builder, Mesh, grid
+from .mesh import Builder, Mesh, grid, repeated
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -28,40 +28,42 @@ def _conifer_radius(z: np.ndarray | float) -> np.ndarray | float:
     return 0.012 + 0.185 * (1.0 - t) ** 0.92 * (0.72 + 0.28 * np.minimum(t / 0.12, 1.0))
 
 
-def _frond(b: Builder, rng: np.random.Generator, z: float, turn: float, length: float, stations: int) -> None:
-    """A branch: a strip folded like a roof along its axis, which sags and turns up at the tip."""
-    s = np.linspace(0.0, 1.0, stations)
-    out = np.array([np.cos(turn), np.sin(turn), 0.0])
-    side = np.array([-np.sin(turn), np.cos(turn), 0.0])
+def _fronds(
+    b: Builder, rng: np.random.Generator, z: np.ndarray, turn: np.ndarray, length: np.ndarray, stations: int
+) -> None:
+    """Branches (n): strips folded like roofs along their axes, which sag and turn up at the tips."""
+    n = len(z)
+    s = np.linspace(0.0, 1.0, stations)[None, :, None]  # along a branch
+    across = np.array([-1.0, 0.0, 1.0])[None, None, :]
+    out, side = (np.stack(v, -1)[:, None, None, :] for v in (
+        (np.cos(turn), np.sin(turn), 0.0 * turn), (-np.sin(turn), np.cos(turn), 0.0 * turn)))  # fmt: skip
+    z, length = z[:, None, None], length[:, None, None]
     age = 1.0 - z
-    rise = np.radians(38.0 - 62.0 * age + rng.normal(0, 6.0))
-    sag = (0.34 * age + 0.06) * (0.8 + 0.4 * rng.uniform())
-    lift = 0.26 * age
-    axis = np.outer(length * s * np.cos(rise), out)
-    axis[:, 2] += z + length * (s * np.sin(rise) - sag * s * s + lift * s**4)
+    rise = np.radians(38.0 - 62.0 * age + rng.normal(0, 6.0, z.shape))
+    sag = (0.34 * age + 0.06) * (0.8 + 0.4 * rng.uniform(size=z.shape))
+    height = z + length * (s * np.sin(rise) - sag * s * s + 0.26 * age * s**4)
     half = length * (0.29 if stations > 2 else 0.36) + 0.010
-    fold = np.radians(rng.uniform(26, 48))
-    roll = rng.normal(0.0, 0.25)
-    ruffle = rng.normal(0.0, 0.16, 3)
-    places, normals, uv, sky = [], [], [], []
-    for row, at in zip(s, axis, strict=True):
-        for across in (-1.0, 0.0, 1.0):
-            tilt = across * fold + roll
-            arm = half * (
-                across * np.cos(tilt) * side - (abs(across) * np.sin(fold) + across * np.sin(roll)) * UP
-            )
-            places.append(at + arm)
-            normals.append(ruffle + 0.6 * (out * (0.35 + row)) + 0.5 * UP + 0.55 * across * side)
-            uv.append((0.5 + 0.5 * across, row))
-            sky.append(0.22 + 0.78 * row**0.8 * (0.62 + 0.38 * z))
+    fold = np.radians(rng.uniform(26, 48, z.shape))
+    roll = rng.normal(0.0, 0.25, z.shape)
+    tilt = across * fold + roll
+    sunk = half * (np.abs(across) * np.sin(fold) + across * np.sin(roll))
+    places = (
+        (length * s * np.cos(rise))[..., None] * out
+        + (half * across * np.cos(tilt))[..., None] * side
+        + (height - sunk)[..., None] * UP
+    )
+    ruffle = rng.normal(0.0, 0.16, (n, 1, 1, 3))
+    normals = ruffle + 0.6 * out * (0.35 + s)[..., None] + 0.5 * UP + 0.55 * across[..., None] * side
+    shape = (n, stations, 3)
+    uv = np.stack(np.broadcast_arrays(0.5 + 0.5 * across, s), -1)
     b.add(
-        np.array(places),
-        np.array(normals),
-        np.array(uv),
-        grid(stations, 3),
-        sky=np.array(sky),
-        bend=np.repeat(s**1.5 * min(1.0, length / 0.12), 3),
-        phase=rng.uniform(),
+        places.reshape(-1, 3),
+        normals.reshape(-1, 3),
+        np.broadcast_to(uv, (*shape, 2)).reshape(-1, 2),
+        repeated(grid(stations, 3), 3 * stations, n),
+        sky=np.broadcast_to(0.22 + 0.78 * s**0.8 * (0.62 + 0.38 * z), shape).ravel(),
+        bend=np.broadcast_to(s**1.5 * np.minimum(1.0, length / 0.12), shape).ravel(),
+        phase=np.broadcast_to(rng.uniform(size=z.shape), shape).ravel(),
         leaf=1.0,
     )
 
@@ -81,16 +83,15 @@ def conifer(level: int = 0) -> Mesh:
     fine = level == 0
     _trunk(b, 0.97, 0.0125, 7 if fine else 4, 7 if fine else 3)
     heights = 0.085 + 0.885 * np.linspace(0.0, 1.0, 34 if fine else 21) ** 0.92
-    phase = rng.uniform(0, 2 * np.pi, 3)
-    for i, base in enumerate(heights):
-        count = (8 if base < 0.8 else 5) if fine else (7 if base < 0.75 else 5)
-        for k in range(count):
-            z = float(base + rng.normal(0.0, 0.009))
-            turn = 2.4 * i + 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / count
-            # trees are fuller on some sides than on others
-            lobe = 1.0 + 0.12 * np.sin(turn + phase[0] + 5 * z) + 0.08 * np.sin(2 * turn + phase[1] - 9 * z)
-            length = float(_conifer_radius(z)) * lobe * rng.uniform(0.78, 1.12) * (1.0 if fine else 1.06)
-            _frond(b, rng, z, turn, length, 4 if fine else 2)
+    count = np.where(heights < 0.78, 8, 5) if fine else np.where(heights < 0.75, 7, 5)
+    whorl = np.repeat(np.arange(len(heights)), count)
+    place = np.concatenate([np.arange(c) for c in count]) + rng.uniform(-0.3, 0.3, len(whorl))
+    z = heights[whorl] + rng.normal(0.0, 0.009, len(whorl))
+    turn = 2.4 * whorl + 2 * np.pi * place / count[whorl]
+    # trees are fuller on some sides than on others
+    lobe = 1.0 + 0.12 * np.sin(turn + 1.0 + 5 * z) + 0.08 * np.sin(2 * turn + 4.0 - 9 * z)
+    length = _conifer_radius(z) * lobe * rng.uniform(0.78, 1.12, len(z)) * (1.0 if fine else 1.06)
+    _fronds(b, rng, z, turn, length, 4 if fine else 2)
     for turn in (0.3, 1.87):  # the leader
         side = np.array([np.cos(turn), np.sin(turn), 0.0])
         places = np.array([-0.018 * side, 0.018 * side, -0.018 * side, 0.018 * side])
@@ -103,29 +104,6 @@ def conifer(level: int = 0) -> Mesh:
 # ---- crowns of leaves ------------------------------------------------------------------------------------
 
 
-def _card(
-    b: Builder,
-    rng: np.random.Generator,
-    at: np.ndarray,
-    size: float,
-    normal: np.ndarray,
-    sky: float,
-    bend: float,
-) -> None:
-    """A spray of leaves at a place, its stem towards the inside."""
-    # it hangs more or less along the crown's surface
-    face = _unit(normal + rng.normal(0.0, 0.75, 3))
-    along = _unit(np.cross(face, rng.normal(size=3)))
-    across = np.cross(face, along)
-    places = at + size * np.array([-across - along, across - along, across + along, -across + along])
-    normal = normal + rng.normal(0.0, 0.28, 3)
-    normals = np.array([normal] * 4) + 0.4 * (places - at) / size
-    sky *= rng.uniform(0.7, 1.0)
-    uv = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-    triangles = np.array([(0, 1, 2), (0, 2, 3)])
-    b.add(places, normals, uv, triangles, sky=sky, bend=bend, phase=rng.uniform(), leaf=1.0)
-
-
 def _crown(
     b: Builder,
     rng: np.random.Generator,
@@ -135,27 +113,41 @@ def _crown(
     middle: np.ndarray,
     floor: float,
 ) -> None:
-    """Leaves over a heap of balls (n, 4: place, radius), none inside another ball."""
+    """Sprays of leaves over a heap of balls (n, 4: place, radius), none deep inside another ball."""
     weight = lumps[:, 3] ** 2
     share = np.round(cards * weight / weight.sum()).astype(int)
     low, high = lumps[:, 2].min(), (lumps[:, 2] + lumps[:, 3]).max()
+    parts = []
     for lump, count in zip(lumps, share, strict=True):
-        made = 0
-        for _ in range(4 * count):
-            if made == count:
-                break
-            out = _unit(rng.normal(size=3))
-            out[2] = out[2] if out[2] > -0.55 else -out[2]
-            at = lump[:3] + lump[3] * rng.uniform(0.72, 1.0) * out
-            depth = (np.linalg.norm(at - lumps[:, :3], axis=1) / lumps[:, 3]).min()
-            if depth < 0.62 or at[2] < floor:
-                continue
-            made += 1
-            outward = _unit(at - middle)
-            normal = _unit(0.6 * out + 0.6 * outward + 0.4 * UP)
-            height = (at[2] - low) / (high - low)
-            sky = np.clip((0.30 + 0.35 * depth) * (0.75 + 0.35 * out[2]) + 0.30 * height, 0.30, 1.0)
-            _card(b, rng, at, size * rng.uniform(0.75, 1.25), normal, float(sky), 0.4 + 0.6 * float(depth))
+        out = _unit(rng.normal(size=(6 * count, 3)))
+        out[:, 2] = np.where(out[:, 2] > -0.55, out[:, 2], -out[:, 2])
+        at = lump[:3] + lump[3] * rng.uniform(0.72, 1.0, (6 * count, 1)) * out
+        depth = (np.linalg.norm(at[:, None] - lumps[:, :3], axis=2) / lumps[:, 3]).min(1)
+        good = np.flatnonzero((depth > 0.62) & (at[:, 2] > floor))[:count]
+        parts.append(np.concatenate([at[good], out[good], depth[good, None]], 1))
+    found = np.concatenate(parts)
+    at, out, depth = found[:, :3], found[:, 3:6], found[:, 6]
+    n = len(at)
+    normal = _unit(0.6 * out + 0.6 * _unit(at - middle) + 0.4 * UP)
+    height = (at[:, 2] - low) / (high - low)
+    sky = np.clip((0.30 + 0.35 * depth) * (0.75 + 0.35 * out[:, 2]) + 0.30 * height, 0.30, 1.0)
+    # a spray hangs more or less along the crown's surface
+    face = _unit(normal + rng.normal(0.0, 0.75, (n, 3)))
+    along = _unit(np.cross(face, rng.normal(size=(n, 3))))
+    across = np.cross(face, along)
+    corners = np.stack([-across - along, across - along, across + along, -across + along], 1)
+    reach = size * rng.uniform(0.75, 1.25, (n, 1, 1))
+    normals = (normal + rng.normal(0.0, 0.28, (n, 3)))[:, None] + 0.4 * corners
+    b.add(
+        (at[:, None] + reach * corners).reshape(-1, 3),
+        normals.reshape(-1, 3),
+        np.tile([(0, 0), (1, 0), (1, 1), (0, 1)], (n, 1)),
+        repeated(np.array([(0, 1, 2), (0, 2, 3)]), 4, n),
+        sky=np.repeat(sky * rng.uniform(0.7, 1.0, n), 4),
+        bend=np.repeat(0.4 + 0.6 * depth, 4),
+        phase=np.repeat(rng.uniform(size=n), 4),
+        leaf=1.0,
+    )
 
 
 def _heap(
