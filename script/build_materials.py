@@ -49,7 +49,7 @@ def bake(name: str) -> tuple[np.ndarray, np.ndarray]:
     sky = sky_view(height, texel)
     tone = halved(np.broadcast_to(tone, (2 * SIDE, 2 * SIDE, 3)))
     detail = tone * (0.35 + 0.65 * sky[..., None] / sky.mean())
-    detail /= (blurred(detail, SIDE / 7) / detail.mean((0, 1))) ** FLATTEN
+    detail /= (blurred(detail, SIDE / 5) / detail.mean((0, 1))) ** FLATTEN
     return evened(detail), np.stack([ranks(height), *slopes(height, texel, material, name), sky])
 
 

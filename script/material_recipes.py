@@ -264,7 +264,7 @@ def canopy(c: Canvas) -> Made:
 
     def foliage(random: np.random.Generator) -> np.ndarray:
         return kinds[random.choice(5, p=[0.4, 0.2, 0.2, 0.08, 0.12])] * np.exp(
-            0.17 * random.standard_normal()
+            0.26 * random.standard_normal()
         )
 
     form = crown(boughs, c)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..octaves import wide
 from ..pattern import cells, faded, missing, random, smoothstep, speckle, threshold
 from .cover import Covers, Sites
 
@@ -20,8 +21,11 @@ TILLED, HEDGES, SWATH = 0.21, 0.10, 9.0
 def cover(site: Sites) -> Covers:
     """What covers places."""
     east, north, step, seed = site.east, site.north, np.asarray(site.step, float), site.seed
-    large = speckle(east, north, 11, step, seed + 301)
-    middle = speckle(east, north, 9, step, seed + 302)
+    region = wide(east, north, 14, seed + 318)[0]
+    large = 0.7 * (speckle(east, north, 12, step, seed + 319) + speckle(east, north, 11, step, seed + 301))
+    middle = 0.6 * speckle(east, north, 10, step, seed + 320) + 0.8 * speckle(
+        east, north, 9, step, seed + 302
+    )
     small = speckle(east, north, 6, step, seed + 303)
     groves = speckle(east, north, 5, step, seed + 316)
     clumps = faded(east, north, 4, step, seed + 314)
@@ -30,7 +34,7 @@ def cover(site: Sites) -> Covers:
 
     gentle = 4.0 * (0.16 - site.slope) - 0.35 * np.maximum(site.relief, 0.0)
     drained = 0.40 - 0.5 * smoothstep(0.3, 0.8, site.hollow)
-    open_ = np.clip(drained + gentle + 0.8 * large + 0.5 * middle, 0.0, 1.0)
+    open_ = np.clip(drained + gentle + 0.5 * region + 0.65 * large + 0.5 * middle, 0.0, 1.0)
     parcel = cells(
         east + 24.0 * small + 12.0 * clumps[1] + 1.5 * twigs[1],
         north + 24.0 * middle + 12.0 * clumps[2] + 1.5 * twigs[2],
@@ -56,15 +60,16 @@ def cover(site: Sites) -> Covers:
     crop = crop * (1.0 + mottle)[..., None]
     tilled = np.clip(tilled * (1.0 + 0.8 * (tufts + twigs[0])), 0.0, 1.0)
 
-    bumps = 0.1225 * missing(6, step) + 0.09 * missing(9, step)
+    lost_middle = 0.36 * missing(10, step) + 0.64 * missing(9, step)
+    bumps = 0.1225 * missing(6, step) + 0.09 * lost_middle
     rock = threshold(site.slope + 0.35 * small + 0.3 * middle, 0.86, 0.12, bumps)
-    rubble = 0.81 * missing(9, step) + 0.36 * missing(6, step)
+    rubble = 0.81 * lost_middle + 0.36 * missing(6, step)
     broken = threshold(site.slope - 0.9 * middle + 0.6 * small, 0.92, 0.25, rubble)
     shore = smoothstep(-1.4, -0.4, site.water)
 
-    turned = 0.27 + 0.10 * site.relief - 0.14 * site.hollow
-    season = np.clip(turned + 0.7 * large + 0.5 * middle + 0.45 * small, 0.0, 1.0)
-    mottle = 1.0 + 0.9 * (clumps[0] + groves) + 0.6 * small
+    turned = 0.30 + 0.07 * site.relief - 0.14 * site.hollow + 0.5 * region
+    season = np.clip(turned + 0.35 * large + 0.3 * middle + 0.35 * small, 0.0, 1.0)
+    mottle = 1.0 + 0.5 * (clumps[0] + groves) + 0.35 * small
     forest = np.maximum((FOREST + TURN * season[..., None]) * mottle[..., None], 0.008)
 
     trees = _mix(1.0, hedge, field) * (1.0 - shore)
