@@ -71,7 +71,7 @@ class Species:
     slope: float = 1.4
 
 
-_SPRUCE = ((0.020, 0.036, 0.011), (0.038, 0.056, 0.017))
+_SPRUCE = ((0.014, 0.026, 0.010), (0.026, 0.040, 0.015))
 _STONES = {"scree": 0.5, "granite": 0.20, "limestone": 0.16, "sandstone": 0.14, "gravel": 0.12, "turf": 0.02,
            "basalt": 0.25}  # fmt: skip
 

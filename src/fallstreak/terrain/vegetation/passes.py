@@ -55,7 +55,7 @@ def _plants_struct(kinds: int) -> Struct:
             ("affinity_b", f"array<vec4f, {kinds}>", "of 4 and 5, and of growth; steepest slope"),
             ("tint_a", f"array<vec4f, {kinds}>", "albedo, and how much of it is the ground's"),
             ("tint_b", f"array<vec4f, {kinds}>", "albedo at the other end"),
-            ("counts", f"array<vec4u, {kinds * LEVELS}>", "vertices or indices; first place, room"),
+            ("counts", f"array<vec4u, {kinds * LEVELS}>", "indices; first place, room"),
         ],
     )
 
@@ -129,6 +129,7 @@ class Vegetation:
         self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
         self._plants.set(**self._fixed(world, palette))
         graph.texture_data("plants.cards", cards.cards(), "rgba8unorm", dimension="2d-array", mips=True)
+        graph.buffer_data("plants.square", np.array([0, 1, 2, 2, 1, 3], np.uint32), usage=("index",))
         self._add_placement(graph, ground, bind or {}, constants or {}, flags or {})
         for index, stand in enumerate(self.stands):
             self._add_draws(graph, index, stand)
@@ -317,6 +318,7 @@ class Vegetation:
             },
             indirect="plants.draws",
             indirect_offset=20 * (index * LEVELS + 2),
+            index="plants.square",
             structs=[self._struct],
             constants={
                 "FIRST": stand.first[2],

@@ -72,7 +72,7 @@ def _trunk(b: Builder, top: float, radius: float, sides: int, rings: int) -> Non
     z = np.linspace(0.0, top, rings)
     flare = 1.0 + 0.7 * np.exp(-z / 0.02)
     points = np.stack([0.006 * np.sin(7 * z), 0.006 * np.cos(5 * z) - 0.006, z - 0.015], 1)
-    b.tube(points, radius * flare * (1.0 - 0.93 * z / top), sides, np.zeros(rings), sky=0.5)
+    b.tube(points, radius * flare * (1.0 - 0.93 * z / top), sides, np.zeros(rings), sky=0.3)
 
 
 @lru_cache
