@@ -248,7 +248,8 @@ SCENES = {
     "no such file": ('[[models]]\nfile = "a.glb"\n', "there is no such file"),
     "leaves the folder": ('[[models]]\nfile = "../a.glb"\n', "leaves the scene's folder"),
     "no file": ("[[models]]\neast = 3\n", "models[0].file is missing"),
-    "two of a name": ('[[models]]\nfile = "ship"\n[[models]]\nfile = "ship"\n', 'two models are called "ship"'),
+    "two of a name": (
+        '[[models]]\nfile = "ship"\n[[models]]\nfile = "ship"\n', 'two models are called "ship"'),
     "odd name": ('[[models]]\nfile = "ship"\nname = "a@b"\n', "letters, digits"),
     "in the second": (
         '[[models]]\nfile = "ship"\n[[models]]\nfile = "glider"\nroll = "x"\n', "line 5: models[1].roll"),

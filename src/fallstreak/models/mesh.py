@@ -63,17 +63,20 @@ class Mesh:
 
 
 def faceted(part: Part) -> Part:
-    """The part with each triangle's own normal at its three corners.
+    """The part with each triangle's own normal at its three corners, shared where neighbours lie in a plane.
 
     It is what glTF asks of meshes without normals (section 3.7.2.1).
     """
-    order = part.triangles.ravel()
     corners = part.positions[part.triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    codes = np.repeat(encode_octahedral(across).astype(np.uint64), 3)
+    keys = part.triangles.ravel().astype(np.uint64) << np.uint64(32) | codes
+    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    order = part.triangles.ravel()[first]
     return Part(
         part.positions[order],
-        np.arange(len(order)).reshape(-1, 3),
-        np.repeat(unit(across), 3, axis=0),
+        which.reshape(-1, 3),
+        np.repeat(across, 3, axis=0)[first],
         None if part.uv is None else part.uv[order],
         None if part.colors is None else part.colors[order],
         part.material,

@@ -13,19 +13,21 @@ from ..world.errors import shorten
 from .files import ModelError
 from .gltf import Gltf
 from .mesh import Mesh, join
-from .textures import Layers, Picture
+from .textures import NONE, Layers, Picture
 
 DATA = Path(__file__).parent / "data"
 
 MATERIAL = np.dtype(
     [
         ("base", "<f4", 4),  # linear colour and alpha
-        ("finish", "<f4", 4),  # metal, roughness, scale of the normal map, strength of occlusion
-        ("layers", "<i4", 4),  # colour, normal, surface (-1: none), how they wrap (4 bits each)
-        ("alpha", "<f4", 4),  # cutoff (0: opaque), 1 if both sides show, unused
+        ("finish", "u1", 4),  # metal, roughness, strength of occlusion, cutoff of alpha (0: opaque), of 255
+        ("layers", "u1", 3),  # of the colour, normal and surface maps; 255: none
+        ("both", "u1"),  # 1 where both sides show
+        ("wraps", "<u4"),  # how the three maps wrap, 4 bits each
+        ("bump", "<f4"),  # scale of the normal map
     ]
 )
-"""64 bytes a material, as `Material` in draw.wesl."""
+"""32 bytes a material, as `Material` in draw.wesl."""
 
 
 @dataclass(eq=False)
@@ -93,8 +95,8 @@ def _load(path: Path, key: tuple[int, int]) -> LoadedModel:
         maker.color.array(),
         maker.normal.array(),
         maker.surface.array(),
-        bool((materials["alpha"][:, 0] > 0.0).any()),
-        {bool(m["alpha"][1]) for m in materials},
+        bool((materials["finish"][:, 3] > 0).any()),
+        {bool(both) for both in materials["both"]},
     )
 
 
@@ -134,13 +136,11 @@ class _Materials:
             strength = _given(getattr(material.occlusionTexture, "strength", None), 1.0)
         surface = finish or occlusion
         layers = [
-            self.color.add(color[0]) if color else -1,
-            self.normal.add(normal[0]) if normal else -1,
-            self.surface.add(finish and finish[0], occlusion and occlusion[0]) if surface else -1,
-            (color[1] if color else 0)
-            | (normal[1] if normal else 0) << 4
-            | (surface[1] if surface else 0) << 8,
+            self.color.add(color[0]) if color else NONE,
+            self.normal.add(normal[0]) if normal else NONE,
+            self.surface.add(finish and finish[0], occlusion and occlusion[0]) if surface else NONE,
         ]
+        wraps = sum(texture[1] << 4 * i for i, texture in enumerate((color, normal, surface)) if texture)
         mode = (material.alphaMode if material else None) or "OPAQUE"
         cutoff = 0.0
         if mode == "MASK":
@@ -148,7 +148,8 @@ class _Materials:
         elif mode == "BLEND":  # the G-buffer holds one surface per pixel
             cutoff = 0.5
         both = bool(material.doubleSided) if material else False
-        return (base, [metal, rough, scale, strength], layers, [cutoff, float(both), 0.0, 0.0])
+        finished = np.clip(np.array([metal, rough, strength, cutoff]) * 255.0, 0.0, 255.0).round().tolist()
+        return (base, finished, layers, both, wraps, scale)
 
 
 def _given(value: Any, default: Any) -> Any:

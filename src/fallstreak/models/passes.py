@@ -75,6 +75,7 @@ class _Draw:
         self._name = f"models.{number}"
         self._count = 0
         self._uploaded: dict[str, np.ndarray] = {}
+        self._packed: tuple[np.ndarray | None, np.ndarray] = (None, np.zeros(0, INSTANCE))
         loaded, name = placed.loaded, self._name
         graph.buffer_data(f"{name}.vertices", loaded.mesh.vertices)
         graph.buffer_data(f"{name}.indices", loaded.mesh.indices, usage=("index",))
@@ -113,7 +114,10 @@ class _Draw:
         """Upload the copies whose places differ from what the GPU holds."""
         now, before = self._placed.transforms(state)
         self._count = len(now)
-        for which, transforms in (("now", now), ("before", before)):
+        # "before" first: it was packed as the last frame's "now".
+        for which, transforms in (("before", before), ("now", now)):
             if self._uploaded.get(which) is not transforms:
-                self._graph.upload(f"{self._name}.{which}", pack_instances(transforms))
+                if self._packed[0] is not transforms:
+                    self._packed = (transforms, pack_instances(transforms))
+                self._graph.upload(f"{self._name}.{which}", self._packed[1])
                 self._uploaded[which] = transforms

@@ -57,33 +57,31 @@ def matrices(
         np.ravel(a).astype(np.float64) for a in np.broadcast_arrays(*given)
     )
     distance = np.hypot(east, north)
-    safe = np.where(distance > 0.0, distance, 1.0)
-    ux, uy = np.where(distance > 0.0, east / safe, 1.0), np.where(distance > 0.0, north / safe, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ux, uy = np.where(distance > 0.0, (east / distance, north / distance), 0.0)
     angle = distance / radius
-    s, c = np.sin(angle), np.cos(angle)
-    # the local axes: the anchor's, carried along the great circle (world.state.local_axes)
-    along = np.stack([ux * c, uy * c, -s], 1)
-    up = np.stack([ux * s, uy * s, c], 1)
-    side = np.stack([-uy, ux, np.zeros_like(ux)], 1)
-    to_east = along * ux[:, None] - side * uy[:, None]
-    to_north = along * uy[:, None] + side * ux[:, None]
+    s, less = np.sin(angle), -2.0 * np.sin(0.5 * angle) ** 2  # cos(angle) - 1 without cancellation
 
-    def turned(e: np.ndarray, n: np.ndarray, u: np.ndarray) -> np.ndarray:
-        return to_east * e[:, None] + to_north * n[:, None] + up * u[:, None]
+    def world(e: np.ndarray, n: np.ndarray, u: np.ndarray | float) -> tuple[np.ndarray, ...]:
+        """From the place's east, north and up: the anchor's axes, carried along the great circle."""
+        along = ux * e + uy * n
+        lean = less * along + s * u
+        return e + ux * lean, n + uy * lean, u + less * u - s * along
 
     sh, ch, sp, cp = np.sin(heading), np.cos(heading), np.sin(pitch), np.cos(pitch)
-    forward = turned(sh * cp, ch * cp, sp)
-    right = turned(ch, -sh, np.zeros_like(ch))
-    above = turned(-sh * sp, -ch * sp, cp)
-    cr, sr = np.cos(roll)[:, None], np.sin(roll)[:, None]
+    sr, cr = scale * np.sin(roll), scale * np.cos(roll)
     result = np.zeros((len(east), 4, 4))
-    result[:, :3, 0] = -(right * cr - above * sr)
-    result[:, :3, 1] = above * cr + right * sr
-    result[:, :3, 2] = forward
-    result[:, :3, :3] *= scale[:, None, None]
+    columns = (
+        (-ch * cr - sh * sp * sr, sh * cr - ch * sp * sr, cp * sr),  # left
+        (ch * sr - sh * sp * cr, -sh * sr - ch * sp * cr, cp * cr),  # up
+        (scale * sh * cp, scale * ch * cp, scale * sp),  # forward
+    )
+    for column, local in enumerate(columns):
+        for row, value in enumerate(world(*local)):
+            result[:, row, column] = value
     across = (radius + height) * s
     result[:, 0, 3], result[:, 1, 3] = across * ux, across * uy
-    result[:, 2, 3] = height - 2.0 * (radius + height) * np.sin(angle / 2.0) ** 2
+    result[:, 2, 3] = height + (radius + height) * less
     result[:, 3, 3] = 1.0
     return result
 
@@ -128,7 +126,7 @@ class PlacedModel:
 
     @transform.setter
     def transform(self, value: Any) -> None:
-        self._given = None if value is None else self._checked(value)
+        self._given = None if value is None else self._checked(np.array(value, np.float64))
 
     def place(
         self,
@@ -158,25 +156,26 @@ class PlacedModel:
         """
         if above not in ("ground", "sea"):
             raise ValueError(f'above = {above!r} must be "ground" or "sea"')
-        self.transform = self._matrices(east, north, height, heading, pitch, roll, scale, above=above)
-        assert self._given is not None
+        made = self._matrices(east, north, height, heading, pitch, roll, scale, above=above)
+        self._given = self._checked(made, scale)
         return self._given
 
-    def _checked(self, value: Any) -> np.ndarray:
-        array = np.array(value, np.float64)
+    def _checked(self, array: np.ndarray, scale: Any = None) -> np.ndarray:
+        """The transforms, read-only from now on; with a `scale`, only rotations need no other look."""
         if array.ndim == 2:
             array = array[None]
         if array.ndim != 3 or array.shape[1:] != (4, 4):
-            raise ValueError(f"the transform of {self.name!r} has the shape {np.shape(value)}, not (n, 4, 4)")
+            raise ValueError(f"the transform of {self.name!r} has the shape {array.shape}, not (n, 4, 4)")
         if len(array) > self.capacity:
             raise ValueError(
                 f"{len(array):,} copies of {self.name!r} are too many: its capacity is {self.capacity:,}, "
                 "and [[models]] capacity = … changes it"
             )
-        a, b, c = (array[:, :3, i] for i in range(3))
-        volume = np.einsum("ni,ni->n", a, np.cross(b, c))
+        if scale is None:
+            x, y, z = (array[:, :3, i] for i in range(3))
+            scale = np.einsum("ni,ni->n", x, np.cross(y, z))
         # A comparison with NaN is false, so this finds what is not finite too.
-        if not ((volume > 0.0) & (np.abs(array).max((1, 2)) < 1e12)).all():
+        if not (np.greater(scale, 0.0).all() and (np.abs(array) < 1e12).all()):
             raise ValueError(f"a transform of {self.name!r} is not finite, flat, or mirrors the model")
         array.flags.writeable = False
         return array

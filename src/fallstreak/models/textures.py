@@ -16,8 +16,8 @@ MAX_PIXELS = 16384 * 16384
 """Of a picture that is opened at all."""
 LAYERS_BYTES = 128 << 20
 """Of all layers of one kind, at four bytes a texel; beyond, all are halved."""
-MAX_LAYERS = 256
-"""WebGPU's default."""
+NONE = 255
+"""The layer of what has no texture, and so the number of layers there may be; WebGPU grants one more."""
 
 
 @dataclass(eq=False)
@@ -93,8 +93,8 @@ class Layers:
         """The layer of a picture, or of several that go into one (each into its channels)."""
         key = tuple(id(p) for p in pictures)
         if key not in self._found:
-            if len(self._pictures) == MAX_LAYERS:
-                raise ModelError(f"it has more than {MAX_LAYERS} different {self.kind} textures")
+            if len(self._pictures) == NONE:
+                raise ModelError(f"it has more than {NONE} different {self.kind} textures")
             self._found[key] = len(self._pictures)
             self._pictures.append(pictures)
         return self._found[key]
