@@ -7,19 +7,24 @@ from typing import Any
 import numpy as np
 
 from ..octaves import wide
+from ..pattern import smoothstep
 from .erosion import Gullies, Relief, carve, fill, roughen
 from .shape import LandShape
 
 MASSIF = (0.5, 0.5, 0.22)  # amplitudes of the large forms over the relief, each half as wide as the last
 SCALE = 0.85  # of all heights, so that summits stand about one relief above the valleys
 FLOOR, SAG, SILL = 0.42, 0.35, 0.03  # of the relief: depth of valley floors, how far they follow, their edge
-FINEST_GULLY, COARSEST_ROCK, FINEST_ROCK = 4, 8, 0
-GULLIES = Gullies(depth=1.15, gain=0.93, lift=0.62, lift_gain=0.75, soft=0.06, calm=0.1, sharpness=0.8)
+FINEST_GULLY, COARSEST_ROCK, FINEST_ROCK = 4, 9, 0
+CRAGS = (
+    0.12,
+    0.5,
+)  # of the relief above the base: from where on rock stands on gentle ground too, and all over
+GULLIES = Gullies(depth=1.1, gain=0.96, lift=0.62, lift_gain=0.75, soft=0.06, calm=0.1, sharpness=0.8)
 ROCK, TURF = 0.16, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
 
 
 class Alpine:
-    """Ranges with sharp crests, cirques and flat-floored valleys; see `world.terrain` for the parameters (`LAND`).
+    """Ranges with sharp crests, cirques and flat-floored valleys; numbers as in `LAND`.
 
     Attributes
     ----------
@@ -54,7 +59,10 @@ class Alpine:
         floor[0] -= FLOOR * self.relief
         land, bare = fill(land, floor, SILL * self.relief)
         slope2 = land.slope_east**2 + land.slope_north**2
-        rough = TURF * (0.3 + 0.7 * bare) + ROCK * (0.5 + self.roughness) * bare * slope2 / (slope2 + 0.5)
+        crags = smoothstep(CRAGS[0], CRAGS[1], land.height / self.relief)
+        steep = slope2 / (slope2 + 0.5)
+        rocky = (0.5 + self.roughness) * bare * (steep + crags * (1.0 - steep))
+        rough = TURF * (0.3 + 0.7 * bare) + ROCK * rocky
         land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough)
         zero = np.zeros(east.shape)
         opened = 0.8 + 0.2 * np.clip(0.5 + 0.5 * land.crest, 0.0, 1.0)

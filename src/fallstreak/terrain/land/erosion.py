@@ -21,11 +21,13 @@ REACH = 1.2  # cells, how far a cell's wave is felt
 JITTER = 0.6  # cells, width of the square that a cell's centre is drawn from
 CALM = 0.2  # strength of the blended waves where they are half gone: troughs join or end there
 ARETE = 0.0004  # square of the sine below which a sharp crest is rounded
-NARROW = 0.01  # the same of the crest beside which finer gullies fade: the fall line turns round there
-FLANK = 0.75  # how much finer gullies keep to the flanks of the larger ones
+NARROW = 0.0015  # the same of the crest beside which finer gullies fade: the fall line turns round there
+FLANK = 0.65  # how much finer gullies keep to the flanks of the larger ones
 STEEPEST = 1.1  # rise over run that gullies grow to, as the ground gets steeper
+LEVEL = 1.273  # with which sharp crests and round troughs have mean 0
 WAVE_SEED, ROUGH_SEED = 30, 60
-ROUGH_SLOPE = 1.6  # rms slope of an octave of noise, over its amplitude in wavelengths
+ROUGH_PEAK = 0.77  # of an octave of noise, over its amplitude
+ROUGH_SLOPE = 1.02  # rms slope of an octave of noise, over its amplitude in wavelengths
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ def carve(
     keep = flank = 1.0
     depth, lift, soft = gullies.depth * strength, gullies.lift, gullies.soft
     for power in range(coarsest, finest - 1, -1):
-        weight = octave_weight(power - 1, step)
+        weight = octave_weight(power, step)
         square = se * se + sn * sn
         steep = np.sqrt(square / (1.0 + square / STEEPEST**2) + lift * lift)
         lost = lost + (1.0 - weight * weight) * 0.2 * (depth * steep * square / (square + soft * soft)) ** 2
@@ -138,7 +140,7 @@ def carve(
             cosine, sine = stripes(east, north, power, ae, an, seed)
             half2 = np.maximum(0.5 - 0.5 * cosine, 0.0)
             half = np.sqrt(half2 + ARETE)
-            value = cosine + gullies.sharpness * (1.0 - 2.0 * half - cosine)
+            value = cosine + gullies.sharpness * (LEVEL - 2.0 * half - cosine)
             rise = -sine * (1.0 - gullies.sharpness + 0.5 * gullies.sharpness / half)
             mask = flank * square / (square + soft * soft)
             target = crest + mask * (value - crest)
