@@ -42,7 +42,8 @@ __all__ = [
     "loads", "noise", "render", "scene_names", "schema",
 ]  # fmt: skip
 
-queries.register("terrain.height", "fallstreak.terrain.model:height_query")
+for _name in ("height", "normal", "slope", "materials", "ray"):
+    queries.register(f"terrain.{_name}", f"fallstreak.terrain.queries:{_name}")
 
 
 def __getattr__(name: str) -> Any:

@@ -180,9 +180,3 @@ def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> Non
             f"longitude {place[1]:g}), beyond terrain.extent of {extent / 1e3:g} km: "
             "set place to a point in the file"
         )
-
-
-def height_query(world: Any, east: Any, north: Any) -> Any:
-    """`world.terrain.height(east, north)`: metres above sea level with bumps, see `TerrainModel.height`."""
-    out = terrain_model(world).height(east, north)
-    return float(out) if np.ndim(out) == 0 else out

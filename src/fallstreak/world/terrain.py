@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -130,7 +131,7 @@ class Terrain(Section):
         return island or self.source == "canyons" or self.water_level is not None
 
     def height(self, east: Any, north: Any) -> Any:
-        """Height of the ground above sea level.
+        """Height above sea level of what one stands or floats on: the highest ground, or water over it.
 
         Parameters
         ----------
@@ -142,9 +143,63 @@ class Terrain(Section):
         float or numpy.ndarray
             Metres, float64, in the broadcast shape; a float for two numbers.
         """
+        return self._ask("height", east, north)
+
+    def normal(self, east: Any, north: Any) -> Any:
+        """Unit normals of ground or water, over about a metre.
+
+        Parameters
+        ----------
+        east, north
+            As for `height`.
+
+        Returns
+        -------
+        numpy.ndarray
+            (..., 3) float64 in world axes (east, north and up at the anchor).
+        """
+        return self._ask("normal", east, north)
+
+    def slope(self, east: Any, north: Any) -> Any:
+        """How steep ground or water is over about a metre: rise over run, as `height` returns it."""
+        return self._ask("slope", east, north)
+
+    def materials(self, east: Any, north: Any) -> dict[str, Any]:
+        """What the ground is made of.
+
+        Parameters
+        ----------
+        east, north
+            As for `height`.
+
+        Returns
+        -------
+        dict of numpy.ndarray
+            For each of the country's base materials ("grass", "scree", …) its share, 0 to 1; they sum to 1.
+        """
+        return self._ask("materials", east, north)
+
+    def ray(self, origin: Any, direction: Any, max_distance: float = math.inf) -> Any:
+        """Where rays meet ground, water or the globe beyond: things and plants do not stop them.
+
+        Parameters
+        ----------
+        origin, direction
+            (3,) or (n, 3): world coordinates (east, north, up of the anchor) in metres, and any length.
+        max_distance
+            Metres; what lies farther does not count.
+
+        Returns
+        -------
+        Hits
+            ``distance`` (n,), ``position`` (n, 3), ``normal`` (n, 3), float64; inf and nan where none is met.
+        """
+        return self._ask("ray", origin, direction, max_distance)
+
+    def _ask(self, question: str, *values: Any) -> Any:
         if self._world is None:
-            raise WorldError("this terrain belongs to no world yet: ask world.terrain.height(…)")
-        return queries.resolve("terrain.height")(self._world, east, north)
+            raise WorldError(f"this terrain belongs to no world yet: ask world.terrain.{question}(…)")
+        return queries.resolve(f"terrain.{question}")(self._world, *values)
 
 
 def is_path(name: str) -> bool:

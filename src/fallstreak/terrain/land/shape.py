@@ -62,9 +62,11 @@ class LandModel(Protocol):
     Attributes
     ----------
     outside : m, height of the globe beyond the map
+    shift_bound : m, the largest shift of a sample from its place on the map
     """
 
     outside: float
+    shift_bound: float
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
