@@ -1,36 +1,38 @@
 """Trees, shrubs and rocks by the tens of thousands, sown by what covers the ground.
 
 What it is
-    Four kinds (`flora.KINDS`: conifer, broad-leaved tree, shrub, rock), each on its own lattice of cells, at most one
-    to a cell. A cell's plant is a function of the world, the seed and the cell; the cover of the clipmap decides
-    whether the ground feeds it, `flora.FLORA` what each country grows.
+    Four kinds (`flora.KINDS`: conifer, broad-leaved tree, shrub, rock), each on its own lattice of cells,
+    at most one to a cell. A cell's plant is a function of the world, the seed and the cell; the cover of
+    the clipmap decides whether the ground feeds it, `flora.FLORA` what each country grows.
 
 The way of a frame
     ``plants.select``     squares of 8 × 8 cells in sight (one workgroup)
-    ``plants.placement``  a thread per cell: looks up the ground, appends the plant to the lists of the levels of
-                          detail that draw it, and counts up their draw arguments
+    ``plants.placement``  a thread per cell: looks up the ground, appends the plant to the lists of the levels
+                          of detail that draw it, and counts up their draw arguments
     ``plants.<kind>0``    fine meshes          one indirect draw each, however many stand there
     ``plants.<kind>1``    coarse meshes
     ``plants.<kind>2``    impostors: 8 × 8 pictures over the upper half of directions (Brucks 2018), which
                           ``plants.<kind>.bake`` makes of the fine mesh in the first frame
 
-    Two levels that share a plant share its pixels by an ordered dither that moves with the sampling point, so that
-    anti-aliasing over frames or samples makes a fade of it. At their radius trees leave one after the other; from
-    there on the canopy material stands for them (`tree_radius`).
+    Two levels that share a plant share its pixels by an ordered dither that moves with the sampling
+    point, so that anti-aliasing over frames or samples makes a fade of it. At their radius trees leave
+    one after the other; from there on the canopy material stands for them (`tree_radius`).
 
 Wind
-    A stem bends as a rod clamped at its foot, with the square of height and of the wind's speed, swings in its own
-    time, and gusts travel over the land; branches flutter. Motion vectors follow. All frequencies are multiples of
-    1/64 Hz: no seam at any time.
+    A stem bends as a rod clamped at its foot, with the square of height and of the wind's speed, swings
+    in its own time, and gusts travel over the land; branches flutter. Motion vectors follow. All
+    frequencies are multiples of 1/64 Hz: no seam at any time.
 
 Limits
-    One mesh per kind, turned, stretched and coloured for each plant. No shadows but what crowns throw on themselves
-    (`look.sky`). Stones have no impostors and end at a third of the trees' radius. Which plants stand where depends
-    on the quality's radius, by the level of the clipmap that their cover is read from.
+    One mesh per kind, turned, stretched and coloured for each plant. No shadows but what crowns throw on
+    themselves (`look.sky`). Stones have no impostors and end at a third of the trees' radius. Which
+    plants stand where depends on the quality's radius, by the level of the clipmap that their cover is
+    read from.
 
 Cost
-    Python sets one uniform (some 15 µs), whatever stands there. On a software adapter (four cores): 0.3 ms for
-    placement per 1,000 plants in sight, 3 to 4 µs per impostor, 0.3 ms per tree that is a coarse mesh.
+    Python sets one uniform (some 15 µs), whatever stands there. On a software adapter (four cores): 0.3
+    ms for placement per 1,000 plants in sight, 4 to 6 µs per impostor, 0.3 ms per tree that is a coarse
+    mesh.
 """
 
 from .passes import Vegetation, tree_radius

@@ -71,7 +71,7 @@ class Species:
     slope: float = 1.4
 
 
-_SPRUCE = ((0.014, 0.026, 0.010), (0.026, 0.040, 0.015))
+_SPRUCE = ((0.017, 0.031, 0.012), (0.031, 0.048, 0.018))
 _STONES = {"scree": 0.5, "granite": 0.20, "limestone": 0.16, "sandstone": 0.14, "gravel": 0.12, "turf": 0.02,
            "basalt": 0.25}  # fmt: skip
 
@@ -92,7 +92,7 @@ FLORA: dict[str, dict[str, Species]] = {
         "rock": _rocks(_STONES | {"forest_floor": 0.01}, (0.12, 1.6)),
     },
     "alpine": {
-        "conifer": Species((5.0, 24.0), _SPRUCE, growth=1.0, slope=1.3),
+        "conifer": Species((5.0, 24.0), _SPRUCE, growth=1.0, of_ground=0.35, slope=1.3),
         "shrub": Species((0.3, 1.1), ((0.034, 0.044, 0.018), (0.060, 0.060, 0.024)), growth=0.05,
                          soil={"shrubs": 0.7, "turf": 0.05, "forest_floor": 0.04}, rarity=1.5),
         "rock": _rocks(_STONES, (0.15, 3.2)),
