@@ -17,6 +17,6 @@ How a picture of it comes about:
 `model` holds the same shape in float64 for Python and for the tests, `selection` the same nodes.
 
 Sources: Tanner 1998, Losasso & Hoppe 2004 (clipmaps), Strugar 2010 (CDLOD), the Infinity journal (base
-materials), Heitz & Neyret 2018 (tiling and blending), Unser et al. 1991 (splines), Karney 2011 (UTM), Musgrave
-1994 (multifractals), Worley 1996 (cells). Limits and cost: docs/terrain.md.
+materials), Heitz & Neyret 2018 (tiling and blending), Unser et al. 1991 (splines), Karney 2011 (UTM),
+Musgrave 1994 (multifractals), Worley 1996 (cells). Limits and cost: docs/terrain.md.
 """
