@@ -174,11 +174,11 @@ BLADES = [(0.9, 1.0, 0.85), (1.05, 1.05, 0.8), (0.8, 0.95, 0.8), (1.3, 1.15, 1.1
 def grass(c: Canvas) -> Made:
     """Tufts of blades, dead ones among them, down to dark ground."""
     clump = np.clip(0.5 + 0.33 * c.noise(7, 3), 0, 1)
-    height, tone = 0.012 * c.noise(8, 3) + 0.03 * clump, whole(c, 0.45)
+    height, tone = 0.004 * c.noise(8, 3) + 0.012 * clump, whole(c, 0.45)
     tone *= np.array([1.1, 0.95, 0.9])
     blades(c, height, tone, 12000, (0.04, 0.12), 0.25, [*BLADES, (1.7, 1.4, 1.5), (1.3, 1.1, 1.1)], clump)
     blades(c, height, tone, 9000, (0.05, 0.16), 0.4, BLADES, clump)
-    height = 0.5 * height + 0.5 * blurred(height, 4)
+    height = 0.5 * height + 0.5 * blurred(height, 4) - 0.6 * blurred(height, 40)
     patch = c.noise(6, 4)
     return height, tone * (1 + 0.10 * patch[..., None] * np.array([1.0, 0.5, 0.6]))
 
@@ -186,7 +186,7 @@ def grass(c: Canvas) -> Made:
 def turf(c: Canvas) -> Made:
     """Short alpine grass with cushions, bare earth and stones in it."""
     clump = np.clip(0.5 + 0.4 * c.noise(6, 4), 0, 1)
-    height, tone = 0.025 * clump + 0.004 * c.noise(24, 4), whole(c, 0.55 + 0.06 * c.noise(50, 3))
+    height, tone = 0.012 * clump + 0.003 * c.noise(24, 4), whole(c, 0.55 + 0.06 * c.noise(50, 3))
     tone *= np.array([1.15, 0.95, 0.95])
     c.strew(height, tone, 70, (0.01, 0.05), stone(6, 0.45), greys(0.2, 0.04), power=3.0, sink=0.25)
     tone *= (1 + 0.06 * c.noise(60, 4))[..., None]

@@ -55,8 +55,8 @@ def cover(site: Sites) -> Covers:
     angle = 2.0 * np.pi * random(parcel.hash, 6)
     along = (parcel.centre[0] * np.cos(angle) + parcel.centre[1] * np.sin(angle)) * (256.0 / SWATH)
     carried = np.where(seen > 0.0, np.clip(2.0 - 4.0 * step / SWATH, 0.0, 1.0), 0.0)
-    swath = np.sin(2.0 * np.pi * along) * inside * carried
-    mottle = 0.35 * small + 0.25 * middle + 0.14 * (clumps[0] + tufts) + 0.2 * twigs[0] + 0.1 * swath
+    swath = np.sin(2.0 * np.pi * along) * inside * carried * np.where(kind > 0, 1.0, 0.25)
+    mottle = 0.35 * small + 0.25 * middle + 0.14 * (clumps[0] + tufts) + 0.2 * twigs[0] + 0.08 * swath
     crop = crop * (1.0 + mottle)[..., None]
     tilled = np.clip(tilled * (1.0 + 0.8 * (tufts + twigs[0])), 0.0, 1.0)
 

@@ -118,4 +118,4 @@ def _slots(constant: str, name: str, palette: Sequence[str]) -> dict[str, Any]:
 def _kind(name: str) -> int:
     """The G-buffer's material id (gbuffer.wesl): rock 4, plants 3, other ground 0."""
     rock = ("sandstone", "limestone", "granite", "scree", "basalt")
-    return 4 if name in rock else 3 if name in ("canopy", "shrubs") else 0
+    return 4 if name in rock else 3 if name in ("canopy", "shrubs", "grass", "turf") else 0
