@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ..world.errors import WorldError
-from ..world.files import elevation_files, sidecars
 from ..world.terrain import is_path
 from .continuation import FileLand
 from .elevation import ElevationGrid, read_elevation
@@ -98,20 +97,12 @@ def shipped_path(name: str) -> Path:
 
 
 def elevation_paths(terrain: Any) -> tuple[Path, ...]:
-    """The elevation files of a world's terrain, folders and patterns searched, in the order given."""
+    """The elevation files of a world's terrain, shipped ones too, in the order named."""
     return tuple(
         path
-        for name in terrain.names
-        for path in (elevation_files(name) if is_path(name) else [shipped_path(name)])
+        for name, found in zip(terrain.names, terrain.found, strict=True)
+        for path in (found if is_path(name) else (shipped_path(name),))
     )
-
-
-def _stamp(path: Path) -> tuple[str, int]:
-    """A file and when it was last changed: 0 where that cannot be known, as its reader will say."""
-    try:
-        return str(path), path.stat().st_mtime_ns
-    except OSError:
-        return str(path), 0
 
 
 def terrain_model(world: Any) -> TerrainModel:
@@ -121,7 +112,7 @@ def terrain_model(world: Any) -> TerrainModel:
     key = (
         t.source,
         paths,
-        tuple(_stamp(file) for path in paths for file in (path, *sidecars(path))),
+        t.stamps if paths else (),
         t.material,
         t.extent,
         t.surroundings,

@@ -69,6 +69,14 @@ def _is_folder(path: Path) -> bool:
         return False  # a name too long: its reader says so
 
 
+def changed(path: Path) -> int:
+    """When a file was last changed, ns; 0 where that cannot be known, as its reader will say."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
 def _in_folder(folder: Path) -> list[Path]:
     names = [child for child in _children(folder) if _is_elevation(child) and not child.is_dir()]
     tiles = _tiles(folder, 0)

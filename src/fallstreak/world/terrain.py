@@ -12,7 +12,7 @@ from pydantic import PlainValidator, PrivateAttr, model_validator
 from . import queries
 from .errors import WorldError
 from .fields import Number, Section, Whole, choice, quantity
-from .files import elevation_files
+from .files import changed, elevation_files, sidecars
 
 if TYPE_CHECKING:
     from .world import World
@@ -100,6 +100,8 @@ class Terrain(Section):
         3.0, unit="m/s", ge=0.0, le=40.0, doc="Wind from the west-southwest that sways trees and shrubs."
     )
     _world: World | None = PrivateAttr(default=None)
+    _found: tuple[tuple[Path, ...], ...] | None = PrivateAttr(default=None)
+    _stamps: tuple[int, ...] | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _file_is_named(self) -> Self:
@@ -118,9 +120,31 @@ class Terrain(Section):
         return Path(self.file) if isinstance(self.file, str) and is_path(self.file) else None
 
     @property
+    def found(self) -> tuple[tuple[Path, ...], ...]:
+        """For each of the names its files, folders and patterns searched (none for a shipped model's name).
+
+        Searched once: a world is a value, and the ground below a camera is asked for in every frame.
+
+        Raises
+        ------
+        WorldError
+            For a folder or a pattern without elevation files.
+        """
+        if self._found is None:
+            self._found = tuple(tuple(elevation_files(name)) if is_path(name) else () for name in self.names)
+        return self._found
+
+    @property
     def paths(self) -> tuple[Path, ...]:
-        """All elevation files that are paths, folders and patterns searched; WorldError if none are."""
-        return tuple(path for name in self.names if is_path(name) for path in elevation_files(name))
+        """All elevation files, see `found`."""
+        return tuple(path for files in self.found for path in files)
+
+    @property
+    def stamps(self) -> tuple[int, ...]:
+        """When each of the files and what belongs to it was last changed, ns, as this world found them."""
+        if self._stamps is None:
+            self._stamps = tuple(changed(file) for path in self.paths for file in (path, *sidecars(path)))
+        return self._stamps
 
     @property
     def has_water(self) -> bool:
