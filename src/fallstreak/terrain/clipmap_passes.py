@@ -11,7 +11,8 @@ from ..gpu import FrameGraph, Struct
 from .clipmap import MAX_JOBS, MAX_LEVELS, TILE, Clipmap, packed_jobs
 from .cover import kind as cover_kind
 from .frame import TERRAIN_FRAME
-from .land.levels import Levels, first_octave
+from .land.character import first_octave
+from .land.levels import Levels
 from .land.shape import LAND, land_values
 from .model import LANDS, TerrainModel
 

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...noise import patterns
 from .. import spline
 from ..pyramid import SIZE, Pyramid
+from .character import bound, detail, first_octave
 from .shape import NO_WATER, LandShape
 
 BORDER = (0.8, 0.95)  # heights.wesl
-COARSEST, FINEST_DRAWN = 7, 2
 
 
 class Levels:
-    """Heights from a pyramid of B-splines, with bumps below its resolution.
+    """Heights from a pyramid of B-splines, with detail in its character below its resolution.
 
     Parameters
     ----------
     pyramid : Pyramid
     extent : m, half the width of the map
-    seed : of the bumps
+    seed : of the detail
     water_level : m
     """
 
@@ -32,7 +31,7 @@ class Levels:
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
-        room = bump_bound(self.pyramid.spacing)
+        room = bound(first_octave(self.pyramid.spacing))
         return self.pyramid.lowest - room, self.pyramid.highest + room
 
     def shape(self, east, north, step) -> LandShape:
@@ -40,22 +39,19 @@ class Levels:
         e, n, step = np.broadcast_arrays(
             np.asarray(east, np.float64), np.asarray(north, np.float64), np.asarray(step, np.float64)
         )
-        flat = [a.ravel() for a in (e, n, step)]
-        height, across, up, lost = self._form(*flat)
-        rough = roughness_of_slope(np.hypot(across, up)) * land_weight(self.extent, flat[0], flat[1])
-        for power in range(first_octave(self.pyramid.spacing), FINEST_DRAWN - 1, -1):
-            scale = 2.0**power
-            part = rough * np.clip(2.0 - 4.0 * flat[2] / scale, 0.0, 1.0)
-            height = height + part * scale * patterns.value(
-                flat[0] / scale, flat[1] / scale, self.seed + power + 16
-            )
-        zero = np.zeros(e.shape)
-        return LandShape(
-            height.reshape(e.shape), zero + self.water_level, zero, zero, lost.reshape(e.shape), zero + 1.0
+        height, across, up, lost = (
+            x.reshape(e.shape)[()] for x in self._form(*(np.atleast_1d(a).ravel() for a in (e, n, step)))
         )
+        e, n, step = e[()], n[()], step[()]  # one place is a number, for which noise is quick
+        here = land_weight(self.extent, e, n)
+        added = detail(e, n, across, up, first_octave(self.pyramid.spacing), step, self.seed)
+        height = height + here * added.height
+        lost = np.sqrt(lost * lost + here * here * added.lost)
+        zero = np.zeros_like(height)
+        return LandShape(height, zero + self.water_level, zero, zero, lost, zero + 1.0)
 
     def _form(self, e, n, step):
-        """Height, its derivatives and the slope left out, without bumps; flat arrays."""
+        """Height, its derivatives and the slope left out, without detail; flat arrays."""
         pyramid = self.pyramid
         wanted = np.log2(np.maximum(step, 1e-6) / pyramid.spacing)
         level = np.clip(np.maximum(covering_level(pyramid, e, n), wanted), 0.0, pyramid.levels - 1.0)
@@ -80,22 +76,6 @@ def covering_level(pyramid: Pyramid, east, north):
     return level + t * t * (3.0 - 2.0 * t)
 
 
-def roughness_of_slope(slope):
-    """Amplitude over wavelength of the bumps (twin of bumps.wesl)."""
-    t = np.clip((slope - 0.05) / 0.55, 0.0, 1.0)
-    return 0.012 + 0.038 * t * t * (3.0 - 2.0 * t)
-
-
 def land_weight(extent: float, east, north):
     """1 on the land, 0 where it has sunk to the globe at the edge of the map."""
     return np.clip(10.0 - 10.0 * np.hypot(east, north) / (0.97 * extent), 0.0, 1.0)
-
-
-def first_octave(spacing: float) -> int:
-    """The coarsest bump: what the levels cannot hold, at most 128 m."""
-    return int(min(COARSEST, np.floor(np.log2(1.5 * spacing))))
-
-
-def bump_bound(spacing: float) -> float:
-    """The sum of all octaves of bumps at the roughest, every one at its largest value, m."""
-    return 0.05 * 1.25 * 2.0 ** (first_octave(spacing) + 1)
