@@ -9,7 +9,6 @@ import numpy as np
 
 from ..gpu import FrameGraph, Struct
 from .clipmap import MAX_JOBS, MAX_LEVELS, TILE, Clipmap, packed_jobs
-from .cover import kind as cover_kind
 from .frame import TERRAIN_FRAME
 from .land.character import first_octave
 from .land.levels import Levels
@@ -84,7 +83,7 @@ class ClipmapPasses:
             "TILES": tiles,
             "SPACING": self.spacing,
             "SPACING_POWER": power,
-            "COVER": f"package::terrain::cover::{cover_kind(world.terrain.material)}",
+            "COVER": f"package::terrain::cover::{world.terrain.material}",
             **planet,
         }
         # of these two the flag LEVELS leaves one unused

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..world.errors import WorldError
-from . import cover
 from .cover.cover import Sites
 from .model import SEED, TerrainModel, terrain_model
 from .projection import map_from_world, world_from_map
@@ -65,7 +64,7 @@ def materials(world: Any, east: Any, north: Any, step: float = DETAIL) -> dict[s
     e, n = _places(east, north)
     if model.land is None:
         raise WorldError('this world has no ground (terrain.source is "none"): there are no materials')
-    kind = import_module(f"fallstreak.terrain.cover.{cover.kind(world.terrain.material)}")
+    kind = import_module(f"fallstreak.terrain.cover.{world.terrain.material}")
     weights = kind.cover(sites(model, world.seed, e, n, step)).weights
     out: dict[str, np.ndarray] = {}
     for name, weight in zip(kind.PALETTE, np.moveaxis(weights, -1, 0), strict=True):
