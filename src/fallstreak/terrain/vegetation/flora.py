@@ -43,6 +43,7 @@ class Kind:
 KINDS = (
     Kind("conifer", shapes.conifer, cards.FROND, 5.5, 1.0, (64, 128)),
     Kind("broadleaf", shapes.broadleaf, cards.LEAVES, 8.0, 1.0, (112, 128)),
+    Kind("juniper", shapes.juniper, cards.FROND, 7.0, 1.0, (112, 96)),
     Kind("shrub", shapes.shrub, cards.SPRAY, 3.0, 0.35, (96, 64), 0.4),
     Kind("rock", shapes.rock, cards.BARK, 4.0, 0.35, None, 0.8),
 )
@@ -105,8 +106,8 @@ FLORA: dict[str, dict[str, Species]] = {
     },
     "canyon": {
         # junipers, and sage
-        "broadleaf": Species((2.0, 5.0), ((0.036, 0.044, 0.020), (0.052, 0.056, 0.028)), growth=0.35,
-                             slope=0.8),
+        "juniper": Species((1.5, 5.0), ((0.030, 0.040, 0.018), (0.048, 0.056, 0.026)), growth=0.35,
+                           slope=0.8),
         "shrub": Species((0.3, 1.1), ((0.085, 0.085, 0.055), (0.120, 0.110, 0.070)), growth=0.40,
                          soil={"shrubs": 0.6, "soil": 0.06, "sand": 0.05, "gravel": 0.05},
                          rarity=1.5, slope=0.9),

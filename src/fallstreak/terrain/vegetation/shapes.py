@@ -203,6 +203,24 @@ def shrub(level: int = 0) -> Mesh:
     return b.mesh()
 
 
+@lru_cache
+def juniper(level: int = 0) -> Mesh:
+    """A small tree of dry land: crooked stems, a dense crown that almost reaches the ground."""
+    rng = np.random.default_rng(14)
+    b = Builder()
+    fine = level == 0
+    middle = np.array([0.0, 0.0, 0.50])
+    lumps = _heap(rng, 10, middle, np.array([0.46, 0.46, 0.47]), 0.19)
+    lumps[:, 2] = np.maximum(lumps[:, 2], 0.25)
+    lumps = np.concatenate([lumps, [[0.0, 0.0, 0.55, 0.28]]])
+    for lump in lumps[: 7 if fine else 3]:
+        knee = 0.45 * lump[:3] + np.array([0.03, -0.04, 0.04])
+        stem = np.stack([-0.03 * UP, knee, lump[:3]])
+        b.tube(stem, np.array([0.045, 0.03, 0.008]), 5 if fine else 3, np.zeros(3), sky=0.4)
+    _crown(b, rng, lumps, 300 if fine else 110, 0.095 if fine else 0.135, middle, 0.10)
+    return b.mesh()
+
+
 # ---- rock ------------------------------------------------------------------------------------------------
 
 
