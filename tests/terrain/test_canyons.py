@@ -114,7 +114,7 @@ def sites(land, east, north, step):
 
 
 def test_the_gpu_s_land_is_the_cpu_s(device, probe, land):
-    east, north, step = scattered()
+    east, north, step = scattered(4000)
     found = on_gpu(device, "shapes", east, north, step)
     want = land.shape(east, north, step)
     bounds = {
@@ -176,7 +176,7 @@ def test_walls_stand_upright_and_lean_over(land):
     down = sites(land, east, north, 0.5).normal[..., 2]
     wall = down < 0.5
     assert 0.03 < wall.mean() < 0.3
-    assert 0.05 < (down[wall] < 0.0).mean() < 0.5 and 0.3 < (down[wall] < 0.2).mean()
+    assert 0.05 < (down[wall] < 0.0).mean() < 0.5 and (down[wall] < 0.2).mean() > 0.3
 
 
 def test_gorges_are_wide_enough_to_fly(land):

@@ -51,9 +51,12 @@ def cover(site: Sites) -> Covers:
     rise = step * np.minimum(gentle, 4.0)
     told = np.clip(2.0 - 2.0 * rise / LAYER, 0.0, 1.0)
     weak = 1.0 - smoothstep(-0.05, 0.05, (along - layer.low) / layer.thick - (1.0 - cliff_of(layer)))
-    buff = smoothstep(0.5, 0.8, layer.own[2])
-    bed = hardness(along, seed + 42) * np.clip(2.0 - 2.0 * rise / BED, 0.0, 1.0)
-    rock = _mix(_mix(DEEP, RED, smoothstep(0.1, 0.4, layer.own[2])), BUFF, buff)
+    hue = 0.5 * (layer.number % 2.0) + 0.5 * layer.own[2]
+    buff = smoothstep(0.45, 0.75, hue)
+    bed = (
+        hardness(along, seed + 42) * np.clip(2.0 - 2.0 * rise / BED, 0.0, 1.0) * smoothstep(0.15, 0.5, gentle)
+    )
+    rock = _mix(_mix(DEEP, RED, smoothstep(0.1, 0.35, hue)), BUFF, buff)
     rock = _mix(rock, SHALE, 0.55 * weak)
     rock = _mix(ROCK, rock, told * (1.0 - wall * left / (held + 0.3 + left)))
     rock = rock + bed[..., None] * PALER

@@ -13,10 +13,13 @@ from .canyons_strata import FALL, LAYER, border, folds, hardness, rim_of, terrac
 from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
-WALL = 0.175  # half the width of a wall on the map, over the relief
+WALL = 0.21  # half the width of a wall on the map, over the relief
 MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
+FIN = 36.0  # m, how rounded crests between gorges are
 BANK = 4.0  # m, of the gorge's floor above the river
+JOINTS = ((20.0, 6, 47, 0.02), (7.0, 5, 48, 0.02), (2.2, 4, 45, 0.03), (1.2, 3, 46, 0.03))
+"""Of cliffs: m, power of the wavelength, number of the noise, how rounded."""
 
 
 class Canyons:
@@ -61,7 +64,9 @@ class Canyons:
         g = gorges(east, north, self.power, seed)
 
         # alcoves and spurs of the walls
-        wave8, wave7, wave6, wave5 = noise(8, 30), noise(7, 31), noise(6, 32), noise(5, 33)
+        wave8, wave7 = noise(8, 30), noise(7, 31)
+        # of the small ones not the slopes: on their way out from the wall neighbours shall stay side by side
+        wave6, wave5 = (Graded(noise(*which).value, zero, zero) for which in ((6, 32), (5, 33)))
         bays = 40.0 * wave8 + 26.0 * wave7 + 10.0 * wave6 + 4.0 * wave5
         fans = 40.0 * wave7 - 26.0 * wave6
         place = waves(e, n, 12, seed + 34)
@@ -81,7 +86,7 @@ class Canyons:
         plateau = plateau - 10.0 * wash
 
         # the river's gorge, in places a wide valley with buttes
-        width = 0.46 * relief * (0.9 + 0.6 * place.value)
+        width = 0.48 * relief * (0.95 + 0.6 * place.value)
         wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.12, 0.4).value
         width = width + 1.5 * relief * wide
         wall = g.main + bays
@@ -102,9 +107,10 @@ class Canyons:
         cut, _ = self._cut(g.side + bays, g.side + fans, width, step)
         cut = cut * ramp(g.side_end + 0.7 * bays, -50.0, 50.0) * mouth * g.side_there * fade2
         floor = blend(river + (BANK + 1.0), plateau, 0.04 + 0.5 * ramp(g.side_share, -0.2, 1.2))
-        y2 = blend(plateau, floor, cut)
+        y2 = blend(plateau + FIN, floor, cut)
         open_ = np.minimum(open_, _sky(g.side.value + bays.value, width, plateau.value - y2.value))
-        y = least(y, y2, 14.0)
+        united = _agreement(y, y2)
+        y = least(y, y2, FIN)
 
         # slots
         width = relief * (0.10 + 0.08 * g.slot_width) * (1.0 - 0.3 * np.clip(g.slot_share.value, 0.0, 1.0))
@@ -119,9 +125,10 @@ class Canyons:
             * g.slot_there
         )
         floor = blend(floor, plateau, 0.05 + 0.6 * ramp(g.slot_share, -0.2, 1.2))
-        y3 = blend(plateau, floor, cut * fade3)
+        y3 = blend(plateau + FIN, floor, cut * fade3)
         open_ = np.minimum(open_, _sky(g.slot.value + 0.6 * bays.value, width, plateau.value - y3.value))
-        y = least(y, y3, 14.0)
+        united = united * _agreement(y, y3)
+        y = least(y, y3, FIN)
 
         # what steps are too long for is taken from everywhere alike
         y = y - relief * (MEAN_MAIN * (1.0 - fade) + MEAN_SIDE * (1.0 - fade2))
@@ -136,14 +143,17 @@ class Canyons:
         # metres out from the wall: the layer, its beds, and joints and clefts that end where the layer does
         moved = e + layer.number * (5 * 4096.0)
 
-        def joint(power, number):
-            return waves(moved, n, power, seed + number) * octave_weight(power, step)
-
-        joints = 12.0 * joint(6, 47).value + 8.0 * joint(5, 48).value
-        joints = joints + 4.0 * rounded_size(joint(4, 45), 0.03).value
-        joints = joints + 2.0 * rounded_size(joint(3, 46), 0.03).value
+        joints = sum(
+            high
+            * rounded_size(waves(moved, n, power, seed + number) * octave_weight(power, step), soft).value
+            for high, power, number, soft in JOINTS
+        )
         beds = hardness(along + steep * held * layer.rise, seed + 42) * octave_weight(4, 4.0 * step)
-        out = steep * (3.6 * beds + held * (layer.firm * joints - layer.back / np.maximum(slope, 1.4)))
+        out = (
+            steep
+            * united
+            * (3.6 * beds + held * (layer.firm * joints + 5.0 - layer.back / np.maximum(slope, 1.4)))
+        )
 
         # what lies about: blocks on the talus, bars beside the river
         rubble = _smooth(slope, 0.25, 0.5) * (1.0 - steep)
@@ -186,6 +196,16 @@ class Canyons:
             foot, at, np.hypot(talus, step)
         )
         return cut, at - talus
+
+
+def _agreement(a: Graded, b: Graded):
+    """1 where one of two gorges makes the slope or both lean one way, 0 on the crest between them.
+
+    What leans away from one would run through the other.
+    """
+    share = np.clip(0.5 + (b.value - a.value) / (6.0 * FIN), 0.0, 1.0)
+    both = (a * share + b * (1.0 - share)).slope / np.maximum(a.slope * share + b.slope * (1.0 - share), 0.02)
+    return np.minimum(both * both, 1.0)
 
 
 def _trench(d: Graded, width, half) -> Graded:

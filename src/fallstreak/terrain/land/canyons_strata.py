@@ -74,7 +74,7 @@ class Terrace(NamedTuple):
     back : m of height of mean slope by which it lies farther back; over the slope it is metres
     thick : m, of the layer
     under : 0…1, how far below the brow of an overhang
-    firm : 1 in the cliff, 0 at the foot of the slope
+    firm : 1 in the cliff, 0 where layers meet
     number : of the layer
     """
 
@@ -96,10 +96,9 @@ def terrace(height, overhang, rim: int, seed: int) -> Terrace:
     soft = q < part
     rise = np.where(soft, up * (1.0 - cliff), 1.0 - cliff + cliff * s)
     back = np.where(soft, up * (1.0 + overhang), 1.0 + overhang * (1.0 - s) ** 2)
+    firm = up * up * np.clip(8.0 - 8.0 * s, 0.0, 1.0)
     under = np.where(soft, up, 1.0 - s)
-    return Terrace(
-        (rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, up * up, layer.number
-    )
+    return Terrace((rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, firm, layer.number)
 
 
 def hardness(height, seed: int):
