@@ -12,6 +12,7 @@ from .grid import ElevationGrid
 
 _log = logging.getLogger("fallstreak.terrain")
 _MOST_NOTES = 5  # files whose voids are said one by one
+_GAP = 1e-3  # of the area: less than that is the ragged edge of files that are turned against each other
 
 
 def read_elevation(paths: str | Path | Sequence[str | Path]) -> ElevationGrid:
@@ -35,19 +36,19 @@ def read_elevation(paths: str | Path | Sequence[str | Path]) -> ElevationGrid:
     try:
         grids = [_open(path) for path in names]
         grid = grids[0] if len(grids) == 1 else _joined(grids)
-        unknown = grid.overview.unknown
+        notes = _notes(grid)
     except WorldError as error:
         raise WorldError(f"terrain.file: {error}") from None
     except OSError as error:
         raise WorldError(f"terrain.file: {names[0]} cannot be read: {error.strerror or error}") from None
-    for note in _notes(unknown):
+    for note in notes:
         _log.warning(note)
     return grid
 
 
-def _notes(unknown: dict[str, int]) -> list[str]:
-    """Which samples the picture shows although no file knows them."""
-    names = list(unknown)
+def _notes(grid: ElevationGrid) -> list[str]:
+    """What the picture shows although no file knows it."""
+    unknown, names = grid.overview.unknown, list(grid.overview.unknown)
     notes = [
         f"{name}: {unknown[name]:,} samples hold no height; they are filled from around" for name in names
     ]
@@ -55,6 +56,11 @@ def _notes(unknown: dict[str, int]) -> list[str]:
         rest = sum(unknown[name] for name in names[_MOST_NOTES:])
         more = len(names) - _MOST_NOTES
         notes[_MOST_NOTES:] = [f"{more} more elevation files: {rest:,} samples hold no height"]
+    if grid.overview.known is not None:
+        voids = sum(unknown.values()) / (grid.shape[0] * grid.shape[1])
+        share = 1.0 - float(grid.overview.known.mean()) - voids
+        if share > _GAP:
+            notes.append(f"{grid.name}: {share:.1%} of the area around the files lies in none of them")
     return notes
 
 

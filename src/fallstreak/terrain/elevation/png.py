@@ -78,11 +78,8 @@ def open_picture(path: Path) -> Any:
     from PIL import Image
 
     try:
-        with warnings.catch_warnings():
-            # Pillow warns of pictures of 90 million pixels; ours have been measured already.
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(path, formats=("PNG",))
-            image.load()
+        image = Image.open(path, formats=("PNG",))
+        image.load()
     except Exception as error:
         reason = (str(error).splitlines() or ["no reason given"])[0][:120]
         raise WorldError(f"{path}: not a readable PNG ({reason})") from None
@@ -98,7 +95,12 @@ class _Picture(Raster):
 
     @cached_property
     def unpacked(self) -> Raster:
-        image = open_picture(self.path)
+        from PIL.Image import DecompressionBombWarning
+
+        with warnings.catch_warnings():
+            # Pillow warns of pictures of 90 million pixels; this one has been measured already.
+            warnings.simplefilter("ignore", DecompressionBombWarning)
+            image = open_picture(self.path)
         high, wide = self.shape
         parts = (image.crop((0, top, wide, min(top + 256, high))) for top in range(0, high, 256))
         return ScratchRaster(map(np.asarray, parts), self.shape, np.uint16, self.name, self.nodata)

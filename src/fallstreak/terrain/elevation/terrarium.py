@@ -52,6 +52,10 @@ def read_terrarium(path: Path) -> ElevationGrid:
 
 
 class _Tile(Raster):
+    """Its colours as one number, in 1/256 m."""
+
+    scale, offset = 1.0 / 256.0, -32768.0
+
     def __init__(self, path: Path, side: int):
         self.path, self.name, self.shape = path, str(path), (side, side)
 
@@ -59,5 +63,11 @@ class _Tile(Raster):
         yield Piece(0, 0, self._load, self.name)
 
     def _load(self) -> np.ndarray:
-        red, green, blue = np.moveaxis(np.asarray(open_picture(self.path)), -1, 0)[:3].astype(np.float32)
-        return 256.0 * red + green + blue / 256.0 - 32768.0
+        colours = np.asarray(open_picture(self.path))
+        if colours.shape[:2] != self.shape or colours.ndim != 3:
+            raise WorldError(f"{self.path}: is another picture than a moment ago")
+        stored = colours[..., 0].astype(np.int32)
+        for channel in (1, 2):
+            stored <<= 8
+            stored |= colours[..., channel]
+        return stored
