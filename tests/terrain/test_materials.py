@@ -18,7 +18,7 @@ from fallstreak.terrain.materials import MATERIALS, add_materials, ground_consta
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "src/fallstreak/terrain/materials/data"
 FOLDER = Path(covers.__file__).parent
-KINDS = sorted(p.stem for p in FOLDER.glob("*.py") if p.stem not in ("__init__", "cover", "plain"))
+KINDS = sorted(p.stem for p in FOLDER.glob("*.wesl") if "\nfn cover(site: Site)" in p.read_text())
 SIZE = (160, 90)
 PROBE = Struct(
     "GroundProbe",

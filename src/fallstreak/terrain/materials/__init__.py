@@ -89,7 +89,7 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
     return {
         "SEEN": [(*m.albedo, 1.0 / m.tile) for m in chosen],
         "MADE": [
-            (m.steepest, float(m.layer), m.grows, float(_kind(name)))
+            (m.steepest, float(m.layer), m.grows, _kind(name) + (0.5 if name in _ALIKE else 0.0))
             for name, m in zip(palette, chosen, strict=True)
         ],
         "TURNS": [_BEDDED if name in ("sandstone", "limestone") else _TURNED for name in palette],
@@ -103,6 +103,10 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
 # (5 cos, 5 sin) of the angle that a second copy of a tile is turned by; how far, in tiles, long waves push
 # the copies along u and v: beds must stay level.
 _TURNED, _BEDDED = (3.0, 4.0, 0.35, 0.35), (5.0, 0.0, 0.5, 0.08)
+
+
+_ALIKE = ("sandstone", "limestone", "granite", "basalt")
+"""Rock that looks the same five times larger: its cliffs have beds and joints as its blocks do."""
 
 
 def _slots(constant: str, name: str, palette: Sequence[str]) -> dict[str, Any]:
