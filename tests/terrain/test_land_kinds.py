@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,10 +10,13 @@ import numpy as np
 import pytest
 
 from fallstreak.gpu import FrameGraph, shader
+from fallstreak.terrain.land import character
 from fallstreak.terrain.land.alpine import Alpine
 from fallstreak.terrain.land.dunes import Dunes
 from fallstreak.terrain.land.plains import Plains
 from fallstreak.terrain.land.shape import LAND, NO_WATER
+from fallstreak.terrain.model import TerrainModel
+from fallstreak.terrain.queries import sites
 from fallstreak.world.terrain import PRESETS
 
 PROBE = Path(__file__).with_name("land_probe.wesl")
@@ -89,3 +93,80 @@ def test_the_gpu_s_land_is_the_cpu_s(device, probe, kind, changes):
             f"{kind} {name}: median {np.median(error):.1e}, 99 % {np.quantile(error, 0.99):.1e}", error.max()
         )
         assert np.quantile(error, 0.99) < 8e-3 and error.max() < 0.05, name
+
+
+@pytest.mark.parametrize("spacing", [30.0, 50.0, 90.0])
+@pytest.mark.parametrize("slope", [0.05, 0.3, 0.9])
+def test_detail_never_contradicts_the_elevation_model(spacing, slope):
+    """Within its bound, and the mean over a cell of the model stays what it was, on winding slopes."""
+    rng = np.random.default_rng(1)
+    coarsest = character.first_octave(spacing)
+    inside = (np.arange(16) + 0.5) / 16 * spacing
+    corner = rng.uniform(-1e5, 1e5, (2, 400, 1, 1))
+    east, north = corner[0] + inside, corner[1] + inside[:, None]
+    turn = (
+        rng.uniform(0.0, 2.0 * np.pi, (400, 1, 1)) + 0.3 * np.sin(east / 200.0) + 0.3 * np.cos(north / 170.0)
+    )
+    added = character.detail(
+        east + 0.0 * north,
+        north + 0.0 * east,
+        slope * np.cos(turn),
+        slope * np.sin(turn),
+        coarsest,
+        0.3,
+        SEED,
+    ).height
+    most = character.bound(coarsest, slope)
+    means = added.mean((1, 2))
+    assert np.abs(added).max() < most and added.std() > 0.05 * most  # it is there
+    assert abs(means.mean()) < 0.01 * most
+    assert means.std() < 0.05 * most and np.abs(means).max() < 0.2 * most
+
+
+def test_detail_leaves_flats_flat_and_runs_down_slopes():
+    east, north = np.meshgrid(np.arange(0.0, 1500.0, 5.0), np.arange(0.0, 1500.0, 5.0))
+    zero = np.zeros(east.shape)
+    coarsest = character.first_octave(90.0)
+    assert np.abs(character.detail(east, north, zero, zero, coarsest, 5.0, SEED).height).max() < 0.3
+    added = character.detail(east, north, zero + 0.5, zero, coarsest, 5.0, SEED).height
+    north_rise, east_rise = np.gradient(added, 5.0)
+    # troughs run down the slope, so that heights change across it
+    assert north_rise.std() > 2.0 * east_rise.std()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_steps_leave_out_is_counted(kind):
+    """The slopes that are seen and those that are lost make the same, whatever the step."""
+    land = make(kind)
+    east, north = np.random.default_rng(1).uniform(-60e3, 60e3, (2, 3000))
+    found = []
+    for step in (0.5, 4.0, 16.0, 64.0, 128.0):
+        rise = land.shape(east + step, north, step).height - land.shape(east - step, north, step).height
+        climb = land.shape(east, north + step, step).height - land.shape(east, north - step, step).height
+        seen = (rise**2 + climb**2) / (2.0 * step) ** 2
+        found.append(np.sqrt((seen + land.shape(east, north, step).lost ** 2).mean()))
+    assert np.ptp(found) < 0.25 * found[0], found
+
+
+@pytest.mark.parametrize(
+    ("kind", "material", "changes"),
+    [
+        ("alpine", "alpine", {}),
+        ("dunes", "dunes", {}),
+        ("plains", "coast", {"water_level": 195.0}),
+        ("alpine", "coast", {"water_level": 1200.0}),
+    ],
+)
+def test_land_has_the_same_mean_colour_in_texels_of_all_sizes(kind, material, changes):
+    module = import_module(f"fallstreak.terrain.cover.{material}")
+    model = TerrainModel(make(kind, **changes), 6.371e6, 160e3)
+    place = np.linspace(0.0, 4000.0, 50)
+    east, north = (x.ravel() for x in np.meshgrid(place, place))
+    means = np.array(
+        [
+            module.cover(sites(model, 3, east, north, step)).tint.mean(0)
+            for step in (0.5, 8.0, 64.0, 128.0, 500.0)
+        ]
+    )
+    change = np.abs(means / means[0] - 1.0).max(1)
+    assert change[:-1].max() < 0.09 and change[-1] < 0.2, change

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..pattern import missing, smoothstep, speckle, threshold
+from ..steepness import slopes_within
 from .cover import Covers, Sites
 
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
@@ -22,6 +23,8 @@ def cover(site: Sites) -> Covers:
         *(np.asarray(x, float) for x in (site.east, site.north, site.step, site.height))
     )
 
+    slope, uneven = slopes_within(site.normal, site.slope)
+
     def noise(power, number):
         return speckle(east, north, power, step, site.seed + number)
 
@@ -32,35 +35,35 @@ def cover(site: Sites) -> Covers:
     lost_broad = missing(12, step)
 
     high = (height - TREE_LINE) / 1000.0
-    rough = 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
-    value = site.slope + 0.2 * middle + 0.3 * small + 0.25 * fine + 0.12 * np.maximum(high, 0.0)
+    rough = uneven + 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
+    value = slope + 0.2 * middle + 0.3 * small + 0.25 * fine + 0.12 * np.maximum(high, 0.0)
     rock = threshold(value, 0.92, 0.13, rough)
-    rough = 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
-    value = site.slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
-    loose = threshold(value, 0.78, 0.15, rough) * threshold(value - 0.3 * high, 0.35, 0.2, rough)
-    rough = 0.16 * (lost_broad + lost_wide + lost_middle) + 0.09 * lost_small
-    value = high + 0.4 * (broad + wide + middle) + 0.3 * small + 0.4 * (site.slope - 0.4)
+    rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
+    value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
+    loose = threshold(value, 0.78, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
+    rough = 0.16 * (lost_broad + lost_wide + lost_middle + uneven) + 0.09 * lost_small
+    value = high + 0.4 * (broad + wide + middle) + 0.3 * small + 0.4 * (slope - 0.4)
     barren = threshold(value, (TURF_LINE - TREE_LINE) / 1000.0, 0.22, rough)
 
     value = 0.2 * broad + 0.25 * wide + 0.22 * middle + 0.15 * small - 0.06 * np.maximum(site.hollow, 0.0)
     rough = 0.04 * lost_broad + 0.0625 * lost_wide + 0.0484 * lost_middle + 0.0225 * lost_small
     below = threshold(value - high, 0.0, 0.07, rough)
-    rough = lost_wide + lost_middle + 0.5 * lost_small
-    glade = threshold(wide + middle + 0.7 * small + 2.0 * (0.3 - site.slope), 0.34, 0.12, rough)
+    rough = lost_wide + lost_middle + 0.5 * lost_small + 4.0 * uneven
+    glade = threshold(wide + middle + 0.7 * small + 2.0 * (0.3 - slope), 0.34, 0.12, rough)
     alp = threshold(high + 0.15 * middle + 0.1 * wide, -0.25, 0.25, 0.0225 * lost_middle + 0.01 * lost_wide)
     heath = threshold(
         middle + 0.8 * small + 0.8 * fine, 0.12, 0.12, lost_middle + 0.64 * (lost_small + lost_fine)
     )
     flood = threshold(
-        0.045 - site.slope + 0.05 * small + 0.04 * middle,
+        0.045 - slope + 0.05 * small + 0.04 * middle,
         0.02,
         0.012,
-        0.0025 * lost_small + 0.0016 * lost_middle,
+        uneven + 0.0025 * lost_small + 0.0016 * lost_middle,
     )
     shore = smoothstep(-1.6, -0.4, site.water)
 
     soft = (1.0 - rock) * (1.0 - shore)
-    rubble = soft * (loose + barren - loose * barren)
+    rubble = (np.maximum(loose - rock, 0.0) + (1.0 - np.maximum(loose, rock)) * barren) * (1.0 - shore)
     green = soft - rubble
     trees = green * below * (1.0 - glade)
     stones = (green - trees) * flood * 0.5 + (1.0 - rock) * shore

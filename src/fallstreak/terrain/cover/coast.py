@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..pattern import missing, smoothstep, speckle, threshold
+from ..steepness import slopes_within
 from .cover import Covers, Sites
 
 PALETTE = ("sand", "limestone", "grass", "shrubs", "canopy", "gravel")
@@ -23,6 +24,8 @@ def cover(site: Sites) -> Covers:
         *(np.asarray(x, float) for x in (site.east, site.north, site.step))
     )
 
+    slope, uneven = slopes_within(site.normal, site.slope)
+
     def noise(power, number):
         return speckle(east, north, power, step, site.seed + number)
 
@@ -32,16 +35,16 @@ def cover(site: Sites) -> Covers:
     lost_wide, lost_middle, lost_small, lost_fine = (missing(power, step) for power in (10, 8, 6, 4))
     above = np.minimum(-site.water, 1e3)
 
-    rough = 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
-    value = site.slope + 0.2 * middle + 0.3 * small + 0.25 * fine
+    rough = uneven + 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
+    value = slope + 0.2 * middle + 0.3 * small + 0.25 * fine
     # bare where waves reach
     rock = threshold(value, 0.80, 0.14, rough)
     washed = smoothstep(6.0, 1.0, above)
     rock = np.maximum(rock, washed * threshold(value, 0.34, 0.1, rough))
-    rough = 4.0 * lost_middle + 9.0 * lost_small + step * step * site.slope**2 / 12.0 / 5.0
+    rough = 4.0 * lost_middle + 9.0 * lost_small + step * step * slope**2 / 12.0 / 5.0
     strand = threshold(BEACH - above + 2.0 * middle + 3.0 * small, 0.0, 1.2, rough)
-    rough = 0.04 * (lost_middle + lost_small)
-    shingle = threshold(site.slope + 0.2 * (middle + small), 0.20, 0.08, rough)
+    rough = uneven + 0.04 * (lost_middle + lost_small)
+    shingle = threshold(slope + 0.2 * (middle + small), 0.20, 0.08, rough)
 
     # wind keeps the seaward ground low
     rough = 0.25 * lost_wide + 0.25 * lost_middle + 0.16 * lost_small

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..pattern import missing, smoothstep, speckle, threshold
+from ..steepness import slopes_within
 from .cover import Covers, Sites
 
 PALETTE = ("sand", "gravel", "shrubs", "soil", "sandstone", "mud")
@@ -20,6 +21,8 @@ def cover(site: Sites) -> Covers:
         *(np.asarray(x, float) for x in (site.east, site.north, site.step))
     )
 
+    slope, uneven = slopes_within(site.normal, site.slope)
+
     def noise(power, number):
         return speckle(east, north, power, step, site.seed + number)
 
@@ -28,8 +31,8 @@ def cover(site: Sites) -> Covers:
 
     # the older sand is the redder; slip faces and crests show what the wind has just brought
     age = np.clip(0.5 + 1.0 * broad + 0.5 * wide - 0.06 * site.relief, 0.0, 1.0)
-    hollow = 0.12 - site.slope + 0.1 * site.hollow - 0.35 * site.relief
-    rough = 0.01 * lost_wide + 0.01 * lost_middle
+    hollow = 0.12 - slope + 0.1 * site.hollow - 0.35 * site.relief
+    rough = uneven + 0.01 * lost_wide + 0.01 * lost_middle
     flat = threshold(hollow + 0.1 * wide + 0.1 * middle, 0.08, 0.06, rough)
     clay = flat * threshold(wide + 0.5 * middle, 0.30, 0.1, lost_wide + 0.25 * lost_middle)
     stony = flat * threshold(

@@ -18,6 +18,7 @@ from .erosion import JITTER, REACH, Relief, roughen, wave
 from .shape import LandShape
 
 REPOSE = 0.6745  # tangent of 34 degrees
+STEEPNESS, FACE = 3.2, 0.1  # rms slope of dunes over height by spacing; width of slip faces over spacing
 SWAY = 0.35  # how far the wind of a cell turns from the mean
 # systems of dunes: spacing over that of the largest, height over theirs
 SECOND_SPACING, SECOND_HEIGHT = 0.14, 0.1
@@ -102,8 +103,9 @@ def dune(east, north, spacing: float, tall, wind_east, wind_north, step, seed: i
     """One system of dunes: height (m), share of slip face 0..1, mean square of the slope left out."""
     power = cell_power(spacing)
     weight = np.clip(2.0 - 4.0 * step / spacing, 0.0, 1.0)
-    typical = 1.5 * tall / spacing
-    lost = (1.0 - weight * weight) * typical * typical
+    typical = STEEPNESS * tall / spacing
+    coarse = step / (FACE * spacing)
+    lost = (1.0 - weight * weight / (1.0 + coarse * coarse)) * typical * typical
     waves = 2.0**power / spacing
     turns, strength, gradient = phasor(east, north, power, waves * wind_east, waves * wind_north, seed)
     tall = tall * strength

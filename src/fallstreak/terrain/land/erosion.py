@@ -26,6 +26,7 @@ FLANK = 0.65  # how much finer gullies keep to the flanks of the larger ones
 STEEPEST = 1.1  # rise over run that gullies grow to, as the ground gets steeper
 LEVEL = 1.273  # with which sharp crests and round troughs have mean 0
 WAVE_SEED, ROUGH_SEED = 30, 60
+GULLY_SLOPE = 0.95  # rms slope of an octave of gullies, over that of its sides in the open
 ROUGH_PEAK = 0.77  # of an octave of noise, over its amplitude
 ROUGH_SLOPE = 1.02  # rms slope of an octave of noise, over its amplitude in wavelengths
 
@@ -117,6 +118,13 @@ def stripes(east, north, power: int, across_east, across_north, seed: int):
     return cosine * scale, sine * scale
 
 
+def carried(power: int, step):
+    """Share of an octave's mean square slope that differences over two steps still show."""
+    weight = octave_weight(power, step)
+    wave_numbers = 4.0 * np.asarray(step) * 2.0**-power
+    return weight * weight / (1.0 + wave_numbers * wave_numbers)
+
+
 def carve(
     relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, gullies: Gullies, strength=1.0
 ) -> Relief:
@@ -133,7 +141,8 @@ def carve(
         weight = octave_weight(power, step)
         square = se * se + sn * sn
         steep = np.sqrt(square / (1.0 + square / STEEPEST**2) + lift * lift)
-        lost = lost + (1.0 - weight * weight) * 0.2 * (depth * steep * square / (square + soft * soft)) ** 2
+        left = GULLY_SLOPE * depth * steep * square / (square + soft * soft)
+        lost = lost + (1.0 - carried(power, step)) * left * left
         if np.any(weight > 0.0):
             turn = 1.0 / np.sqrt(square + 1e-6)
             ae, an = -sn * turn, se * turn
@@ -166,7 +175,7 @@ def roughen(relief: Relief, east, north, coarsest: int, finest: int, step, seed:
     for power in range(coarsest, finest - 1, -1):
         weight = octave_weight(power, step)
         part = rough / (1.0 + se * se + sn * sn)
-        lost = lost + (1.0 - weight * weight) * ROUGH_SLOPE**2 * part * part
+        lost = lost + (1.0 - carried(power, step)) * ROUGH_SLOPE**2 * part * part
         if np.any(weight > 0.0):
             value, de, dn = octave(east, north, power, seed + ROUGH_SEED)
             scale = weight * part * 2.0**power
