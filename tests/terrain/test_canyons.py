@@ -1,4 +1,4 @@
-"""Canyons: the GPU's land is the CPU's, walls stand and lean over without meeting, rivers flow, colours last."""
+"""Canyons: the GPU's land is the CPU's, walls lean over without meeting, rivers flow, colours last."""
 
 from __future__ import annotations
 

@@ -65,9 +65,9 @@ def cover(site: Sites) -> Covers:
 
     rough = lost_streaks + 0.64 * lost_lines + 0.81 * lost_middle + 0.09 * lost_small
     dark = threshold(streaks + 0.8 * lines + 0.9 * middle + 0.3 * small, 0.16, 0.14, rough)
-    rock = _mix(rock, VARNISH, 0.7 * 0.75 * wall * dark)
+    rock = _mix(rock, VARNISH, 0.6 * 0.75 * wall * dark)
 
-    deep = smoothstep(0.04, 0.16, 1.0 - site.open)
+    deep = smoothstep(0.03, 0.11, 1.0 - site.open)
     talus = (1.0 - wall) * deep * threshold(gentle + 0.5 * small, 0.36, 0.14, 0.25 * lost_small)
     rough = 0.25 * lost_middle + 0.04 * lost_small + 0.12 * lost_wide
     bare = np.hypot(gentle, np.minimum(left, 0.1))

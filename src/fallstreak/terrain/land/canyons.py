@@ -1,4 +1,10 @@
-"""Plateaus cut by gorges: float64 twin of ``canyons.wesl``."""
+"""Plateaus cut by gorges: float64 twin of ``canyons.wesl``.
+
+First the mean slope of everything, with its gradient: three families of gorges (canyons_network.py), each
+a trench whose walls are steep and whose foot is talus. Where that is steep it is a wall: there each layer of
+rock (canyons_strata.py) moves height up into cliffs, and samples out along the map until those stand upright
+and lean over. Long steps widen the trenches and lower them, so that the mean height is the same for all.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..octaves import octave_weight
+from ..pattern import smoothstep
 from .canyons_graded import Graded, away, blend, least, ramp, rounded_size
 from .canyons_network import gorges, waves
 from .canyons_strata import FALL, LAYER, border, folds, hardness, rim_of, terrace, thickening
@@ -17,6 +24,7 @@ WALL = 0.21  # half the width of a wall on the map, over the relief
 MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
 FIN = 36.0  # m, how rounded crests between gorges are
+GLOW = 0.3  # of what hides the sky, as bright as it
 BANK = 4.0  # m, of the gorge's floor above the river
 JOINTS = ((20.0, 6, 47, 0.02), (7.0, 5, 48, 0.02), (2.2, 4, 45, 0.03), (1.2, 3, 46, 0.03))
 """Of cliffs: m, power of the wavelength, number of the noise, how rounded."""
@@ -137,7 +145,7 @@ class Canyons:
         slope = y.slope
         along = y.value - lean.value + thickening(e, n, step, seed)
         layer = terrace(along, 0.02 + 1.1 * wave7.value, self.rim, seed + 40)
-        steep = _smooth(slope, 0.9, 1.7)
+        steep = smoothstep(0.9, 1.7, slope)
         held = np.clip(2.0 - 4.0 * step * slope / layer.thick, 0.0, 1.0)
         height = y.value + steep * held * layer.rise
         # metres out from the wall: the layer, its beds, and joints and clefts that end where the layer does
@@ -156,7 +164,7 @@ class Canyons:
         )
 
         # what lies about: blocks on the talus, bars beside the river
-        rubble = _smooth(slope, 0.25, 0.5) * (1.0 - steep)
+        rubble = smoothstep(0.25, 0.5, slope) * (1.0 - steep)
         rough = 0.012 + 0.05 * rubble + 0.02 * steep
         bumps = zero
         for power in range(5, -1, -1):
@@ -167,7 +175,7 @@ class Canyons:
         room = np.clip(foot - 14.0, 0.0, 80.0)
         channel = np.abs(g.line.value + room * np.clip(3.0 * waves(e, n, 9, seed + 44).value, -1.0, 1.0))
         bed = np.maximum(9.0 + 8.0 * place.value, 0.8 * step)
-        bank = river.value - 2.5 + (BANK + 2.5) * _smooth(channel, 0.6 * bed, 1.8 * bed)
+        bank = river.value - 2.5 + (BANK + 2.5) * smoothstep(0.6 * bed, 1.8 * bed, channel)
         bank = bank + 2.0 * np.maximum(channel - 1.8 * bed, 0.0)
         flows = np.clip(2.0 - step / 24.0, 0.0, 1.0)
         height = height + flows * np.minimum(bank - height, 0.0)
@@ -178,24 +186,22 @@ class Canyons:
         lost = slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2 + (0.09 * bare.value) ** 2 * gone
         lost = np.sqrt(lost)
         over = np.clip(out, -REACH, REACH) / np.maximum(slope, 1e-3)
+        sky = open_ * (1.0 - 0.4 * steep * held * layer.under)
+        # walls in the sun shine on those opposite about as bright as the sky would
         return LandShape(
-            height,
-            zero + river.value,
-            -over * y.east,
-            -over * y.north,
-            lost,
-            open_ * (1.0 - 0.4 * steep * held * layer.under),
+            height, zero + river.value, -over * y.east, -over * y.north, lost, sky + GLOW * (1.0 - sky)
         )
 
     def _cut(self, wall: Graded, foot: Graded, width, step):
-        """Share of the depth that is cut away at distances from the middle line; half the floor's width (m)."""
+        """Share of the depth cut away at distances from the middle line; half the floor's width (m)."""
         half = np.minimum(WALL * self.relief, 0.42 * width)
         talus = np.minimum(TALUS / 1.2 * self.relief, 0.34 * width)
         at = width - half - 0.3 * talus
-        cut = (1.0 - TALUS) * _trench(wall, width, np.hypot(half, step)) + TALUS * _trench(
-            foot, at, np.hypot(talus, step)
+        cliff, slope = (
+            _trench(*which)
+            for which in ((wall, width, np.hypot(half, step)), (foot, at, np.hypot(talus, step)))
         )
-        return cut, at - talus
+        return (1.0 - TALUS) * cliff + TALUS * slope, at - talus
 
 
 def _agreement(a: Graded, b: Graded):
@@ -209,7 +215,7 @@ def _agreement(a: Graded, b: Graded):
 
 
 def _trench(d: Graded, width, half) -> Graded:
-    """A trench of a width on either side, convolved with a smooth kernel: its section's area stays the same."""
+    """A trench of a width on either side, convolved with a smooth kernel: its section keeps its area."""
     return ramp(width - d, -half, half) + ramp(d + width, -half, half) - 1.0
 
 
@@ -219,8 +225,3 @@ def _sky(d, width, below):
     d = np.abs(d)
     near, far = np.maximum(width - d, 0.0) + 0.1 * below + 1.0, width + d
     return 0.5 * (near / np.hypot(near, below) + far / np.hypot(far, below))
-
-
-def _smooth(x, low, high):
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)

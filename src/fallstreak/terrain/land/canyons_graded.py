@@ -1,7 +1,7 @@
 """Numbers with their slopes: float64 twin of ``canyons_graded.wesl``.
 
-Automatic differentiation in forward mode (Wengert 1964): what is worked out from graded numbers has its slope along the
-map for the price of a few products, where differences would ask for the whole land three times.
+Automatic differentiation in forward mode (Wengert 1964): what is worked out from graded numbers has its slope
+along the map for the price of a few products, where differences would ask for the whole land three times.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Where gorges run: float64 twin of ``canyons_network.wesl``.
 
-Three families, each a coordinate that warps across the land, cut into strips: a gorge runs along the middle of every
-strip. The river's gorges run about eastward. Their banks, from the middle line to the divide, are strips of their own
-for the side canyons, which climb upstream towards the divide and end in a headwall; and the banks of those for slots.
+Three families, each a coordinate that warps across the land, cut into strips: a gorge runs along the middle
+of every strip. The river's gorges run about eastward. Their banks, from the middle line to the divide, are
+strips of their own for the side canyons, which climb upstream towards the divide and end in a headwall; and
+the banks of those for slots.
 """
 
 from __future__ import annotations

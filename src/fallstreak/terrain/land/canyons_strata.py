@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..octaves import octave_weight
+from ..pattern import smoothstep
 from .canyons_graded import Graded
 from .canyons_network import draws, waves
 
@@ -102,7 +103,7 @@ def terrace(height, overhang, rim: int, seed: int) -> Terrace:
 
 
 def hardness(height, seed: int):
-    """Of single beds, −1 soft … 1 hard: a jump at a bed's top, a slope at its foot; mean about 0."""
+    """Of single beds, −1 soft … 1 hard: sharper at a bed's top than at its foot; mean about 0."""
     bed = layer_of(height, BED, seed)
     q = (height - bed.low) / bed.thick
-    return (2.0 * bed.own[1] - 1.0) * np.clip(q / 0.35, 0.0, 1.0) * np.clip((1.0 - q) / 0.12, 0.0, 1.0)
+    return (2.0 * bed.own[1] - 1.0) * smoothstep(0.0, 0.5, q) * smoothstep(0.0, 0.3, 1.0 - q)
