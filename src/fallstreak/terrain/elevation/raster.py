@@ -20,7 +20,7 @@ import numpy as np
 LOWEST, HIGHEST = -12e3, 30e3  # m: what is outside is no height but a code for "unknown"
 MOST_SAMPLES = 2**32  # 65,536²: a bound on how long a hostile header can keep us reading
 STRIP = 4 << 20  # bytes of a piece of a file without pieces of its own
-_THREADS = min(os.cpu_count() or 1, 8)
+THREADS = min(os.cpu_count() or 1, 8)
 
 Span = tuple[int, int]
 """First index and the one after the last."""
@@ -213,11 +213,11 @@ def _block_sums(values: np.ndarray, high: int, wide: int, dtype) -> np.ndarray:
 def _in_threads(work: Callable, items: Iterator) -> Iterator:
     """Results in order, a few items ahead: all of them at once would be the whole file in memory."""
     waiting: deque[Future] = deque()
-    with ThreadPoolExecutor(_THREADS) as pool:
+    with ThreadPoolExecutor(THREADS) as pool:
         try:
             for item in items:
                 waiting.append(pool.submit(work, item))
-                if len(waiting) >= 2 * _THREADS:
+                if len(waiting) >= 2 * THREADS:
                     yield waiting.popleft().result()
             while waiting:
                 yield waiting.popleft().result()
