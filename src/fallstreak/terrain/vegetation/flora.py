@@ -42,7 +42,7 @@ class Kind:
 
 KINDS = (
     Kind("conifer", shapes.conifer, cards.FROND, 5.5, 1.0, (64, 128)),
-    Kind("broadleaf", shapes.broadleaf, cards.LEAVES, 8.0, 1.0, (112, 128)),
+    Kind("broadleaf", shapes.broadleaf, cards.LEAVES, 7.0, 1.0, (112, 128)),
     Kind("juniper", shapes.juniper, cards.FROND, 7.0, 1.0, (112, 96)),
     Kind("shrub", shapes.shrub, cards.SPRAY, 3.0, 0.35, (96, 64), 0.4),
     Kind("rock", shapes.rock, cards.BARK, 4.0, 0.35, None, 0.8),
