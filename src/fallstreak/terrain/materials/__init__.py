@@ -73,7 +73,7 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
     ----------
     palette : six names of `MATERIALS`
     bare_radius : float
-        m: nearer to the eye than this, `canopy` is the forest's floor, because there trees stand. 0: nowhere.
+        m: nearer to the eye than this, `canopy` is what lies under it, because there trees stand. 0: nowhere.
 
     Raises
     ------
@@ -85,7 +85,10 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
         wrong = f"{unknown[0]!r} is none" if unknown else f"{len(palette)} are given"
         raise ValueError(f"a palette is six of {', '.join(MATERIALS)}; {wrong}")
     chosen = [MATERIALS[name] for name in palette]
-    bare_radius = bare_radius if {"canopy", "forest_floor"} <= set(palette) else 0.0
+    floor = next((name for name in _FLOORS if name in palette), "")
+    if "canopy" not in palette or not floor:
+        bare_radius = 0.0
+    under, litter = (MATERIALS[name].albedo for name in (floor or "forest_floor", "forest_floor"))
     return {
         "SEEN": [(*m.albedo, 1.0 / m.tile) for m in chosen],
         "MADE": [
@@ -94,7 +97,9 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
         ],
         "TURNS": [_BEDDED if name in ("sandstone", "limestone") else _TURNED for name in palette],
         **_slots("CANOPY", "canopy", palette),
-        **_slots("FLOOR", "forest_floor", palette),
+        **_slots("FLOOR", floor or "forest_floor", palette),
+        # needles and leaves lie on whatever it is, much of it in the trees' shade, which nothing else draws
+        "FLOOR_ALBEDO": tuple(0.45 * a + 0.25 * b for a, b in zip(under, litter, strict=True)),
         "BARE_RADIUS": float(bare_radius),
         "TEXELS": float(SIDE),
     }
@@ -105,18 +110,17 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
 _TURNED, _BEDDED = (3.0, 4.0, 0.35, 0.35), (5.0, 0.0, 0.5, 0.08)
 
 
+_FLOORS = ("forest_floor", "soil", "turf", "grass")
+"""What may lie under trees: the first that a palette has."""
+
 _ALIKE = ("sandstone", "limestone", "granite", "basalt")
 """Rock that looks the same five times larger: its cliffs have beds and joints as its blocks do."""
 
 
 def _slots(constant: str, name: str, palette: Sequence[str]) -> dict[str, Any]:
-    """Which of the six shares is that of a material, and its albedo."""
+    """Which of the six shares is that of a material."""
     places = tuple(1.0 if other == name else 0.0 for other in palette)
-    return {
-        f"{constant}_A": places[:4],
-        f"{constant}_B": places[4:],
-        f"{constant}_ALBEDO": MATERIALS[name].albedo,
-    }
+    return {f"{constant}_A": places[:4], f"{constant}_B": places[4:]}
 
 
 def _kind(name: str) -> int:
