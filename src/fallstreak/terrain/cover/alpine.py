@@ -10,9 +10,9 @@ from .cover import Covers, Sites
 
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
-GRANITE, LICHEN = np.array([0.225, 0.212, 0.198]), np.array([0.150, 0.145, 0.125])
-SCREE, GRAVEL = np.array([0.215, 0.205, 0.190]), np.array([0.240, 0.228, 0.205])
-TURF, HEATH = np.array([0.098, 0.092, 0.046]), np.array([0.082, 0.068, 0.040])
+GRANITE, LICHEN = np.array([0.190, 0.184, 0.178]), np.array([0.120, 0.118, 0.104])
+SCREE, GRAVEL = np.array([0.235, 0.228, 0.216]), np.array([0.240, 0.228, 0.205])
+TURF, HEATH = np.array([0.088, 0.094, 0.040]), np.array([0.082, 0.068, 0.040])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
 TREE_LINE, TURF_LINE = 2050.0, 2750.0
 

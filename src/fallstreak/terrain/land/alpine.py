@@ -10,6 +10,7 @@ from ..octaves import wide
 from ..pattern import smoothstep
 from .erosion import Gullies, Relief, carve, fill, roughen
 from .shape import LandShape
+from .shoreline import wash
 
 MASSIF = (0.5, 0.5, 0.22)  # amplitudes of the large forms over the relief, each half as wide as the last
 SCALE = 0.85  # of all heights, so that summits stand about one relief above the valleys
@@ -44,7 +45,7 @@ class Alpine:
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
-        return self.base - 1.2 * self.relief - 20.0, self.base + 2.0 * self.relief + 20.0
+        return self.base - 1.2 * self.relief - 20.0, self.base + 2.0 * self.relief + 50.0
 
     def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
         """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
@@ -58,11 +59,12 @@ class Alpine:
         floor = SAG * form
         floor[0] -= FLOOR * self.relief
         land, bare = fill(land, floor, SILL * self.relief)
+        land, beach = wash(land, self.water_level - self.base, bare)
         slope2 = land.slope_east**2 + land.slope_north**2
         crags = smoothstep(CRAGS[0], CRAGS[1], land.height / self.relief)
         steep = slope2 / (slope2 + 0.5)
         rocky = (0.5 + self.roughness) * bare * (steep + crags * (1.0 - steep))
-        rough = TURF * (0.3 + 0.7 * bare) + ROCK * rocky
+        rough = (TURF * (0.3 + 0.7 * bare) + ROCK * rocky) * (1.0 - 0.8 * beach)
         land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough)
         zero = np.zeros(east.shape)
         opened = 0.8 + 0.2 * np.clip(0.5 + 0.5 * land.crest, 0.0, 1.0)

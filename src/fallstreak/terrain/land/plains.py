@@ -10,6 +10,7 @@ from ..octaves import wide
 from .alpine import large_power
 from .erosion import Gullies, Relief, carve, fill, roughen
 from .shape import LandShape
+from .shoreline import wash
 
 ROLL = (0.9, 0.6, 0.3)  # amplitudes of the large forms over the relief, each half as wide as the last
 VALLEYS = 7.0  # slope of the valleys' sides, over relief by feature size
@@ -38,7 +39,7 @@ class Plains:
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
-        return self.base - 2.2 * self.relief - 5.0, self.base + 2.2 * self.relief + 5.0
+        return self.base - 2.2 * self.relief - 5.0, self.base + 2.2 * self.relief + 30.0
 
     def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
         """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
@@ -55,7 +56,8 @@ class Plains:
         floor = SAG * form
         floor[0] -= FLOOR * self.relief
         land, bare = fill(land, floor, SILL * self.relief)
-        rough = HUMPS * (0.5 + self.roughness) * (0.2 + 0.8 * bare)
+        land, beach = wash(land, self.water_level - self.base, bare)
+        rough = HUMPS * (0.5 + self.roughness) * (0.2 + 0.8 * bare) * (1.0 - 0.8 * beach)
         land = roughen(land, east, north, COARSEST_HUMP, FINEST_HUMP, step, self.seed, rough)
         zero = np.zeros(east.shape)
         return LandShape(
