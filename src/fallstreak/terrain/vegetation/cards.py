@@ -7,7 +7,7 @@ alpha how much of the texel is covered; the others are multiplied by alpha, so t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import lru_cache
 
 import numpy as np
@@ -19,12 +19,22 @@ FROND, LEAVES, SPRAY, BARK = range(4)
 _FINE = 2  # drawn twice as large, then averaged
 
 
-@lru_cache(maxsize=1)
-def cards() -> np.ndarray:
-    """All layers, (4, SIZE, SIZE, 4) uint8; row 0 is where the twig begins."""
-    rng = np.random.default_rng(20)
-    layers = [_frond(rng), _spray(rng, 400, 0.082, 0.5), _spray(rng, 420, 0.07, 0.4), _bark(rng)]
-    return np.stack(layers)
+def cards(layers: Collection[int] = (FROND, LEAVES, SPRAY, BARK)) -> np.ndarray:
+    """The layers, (4, SIZE, SIZE, 4) uint8, row 0 where the twig begins; what is not asked for is empty."""
+    empty = np.zeros((SIZE, SIZE, 4), np.uint8)
+    return np.stack([_layer(i) if i in layers else empty for i in range(4)])
+
+
+@lru_cache
+def _layer(index: int) -> np.ndarray:
+    rng = np.random.default_rng(20 + index)
+    if index == FROND:
+        return _frond(rng)
+    if index == LEAVES:
+        return _spray(rng, 400, 0.082, 0.5)
+    if index == SPRAY:
+        return _spray(rng, 420, 0.07, 0.4)
+    return _bark(rng)
 
 
 class _Sheet:

@@ -89,7 +89,7 @@ FLORA: dict[str, dict[str, Species]] = {
         "broadleaf": Species((8.0, 19.0), ((0.044, 0.062, 0.018), (0.112, 0.068, 0.017)), growth=0.95,
                              of_ground=0.5),
         "shrub": Species((0.5, 2.0), ((0.045, 0.052, 0.020), (0.085, 0.070, 0.028)), growth=0.10,
-                         soil={"forest_floor": 0.06, "shrubs": 0.6, "grass": 0.012}, rarity=1.5),
+                         soil={"forest_floor": 0.06, "shrubs": 0.6, "grass": 0.003}, rarity=1.5),
         "rock": _rocks(_STONES | {"forest_floor": 0.01}, (0.12, 1.6)),
     },
     "alpine": {
@@ -114,7 +114,7 @@ FLORA: dict[str, dict[str, Species]] = {
         "rock": _rocks(_STONES, (0.12, 3.0)),
     },
     "dunes": {
-        "shrub": Species((0.3, 1.0), ((0.100, 0.092, 0.050), (0.150, 0.130, 0.070)), growth=0.4,
+        "shrub": Species((0.3, 1.0), ((0.130, 0.115, 0.060), (0.200, 0.165, 0.085)), growth=0.4,
                          soil={"shrubs": 0.5, "grass": 0.08}, rarity=1.5, slope=0.5),
     },
     "mars": {"rock": _rocks(_STONES | {"dust": 0.02, "sand": 0.02, "mud": 0.05}, (0.10, 1.4))},

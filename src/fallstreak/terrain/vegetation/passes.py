@@ -128,7 +128,8 @@ class Vegetation:
         self._cover_level = cover_level or (lambda radius: 0)
         self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
         self._plants.set(**self._fixed(world, palette))
-        graph.texture_data("plants.cards", cards.cards(), "rgba8unorm", dimension="2d-array", mips=True)
+        drawn = cards.cards({cards.BARK, *(s.kind.leaf for s in self.stands)})
+        graph.texture_data("plants.cards", drawn, "rgba8unorm", dimension="2d-array", mips=True)
         graph.buffer_data("plants.square", np.array([0, 1, 2, 2, 1, 3], np.uint32), usage=("index",))
         self._add_placement(graph, ground, bind or {}, constants or {}, flags or {})
         for index, stand in enumerate(self.stands):
