@@ -31,13 +31,14 @@ def cover(site: Sites) -> Covers:
     broad, wide, middle, small, fine, grit = (
         noise(power, 601 + i) for i, power in enumerate((12, 10, 8, 6, 4, 2))
     )
+    crack, lost_grit = noise(0, 607), missing(2, step)
     lost_wide, lost_middle, lost_small, lost_fine = (missing(power, step) for power in (10, 8, 6, 4))
     lost_broad = missing(12, step)
 
     high = (height - TREE_LINE) / 1000.0
-    rough = uneven + 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
-    value = slope + 0.2 * middle + 0.3 * small + 0.25 * fine + 0.12 * np.maximum(high, 0.0)
-    rock = threshold(value, 0.92, 0.13, rough)
+    rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
+    value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit + 0.12 * np.maximum(high, 0.0)
+    rock = threshold(value, 0.92, 0.20, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
     value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
     loose = threshold(value, 0.78, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
@@ -71,7 +72,7 @@ def cover(site: Sites) -> Covers:
     meadow, turf = grown * (1.0 - alp), grown * alp
     shares = (rock, rubble, turf, meadow, trees, stones)
 
-    tone = (1.0 + 0.35 * small + 0.3 * fine + 0.2 * grit)[..., None]
+    tone = (1.0 + 0.3 * small + 0.4 * fine + 0.4 * grit + 0.3 * crack)[..., None]
     stain = threshold(middle + small + fine, 0.1, 0.2, lost_middle + lost_small + lost_fine) * (
         1.0 - 0.4 * barren
     )

@@ -30,15 +30,16 @@ def cover(site: Sites) -> Covers:
         return speckle(east, north, power, step, site.seed + number)
 
     broad, wide, middle, small, fine, grit = (
-        noise(power, 661 + i) for i, power in enumerate((12, 10, 8, 6, 4, 1))
+        noise(power, 661 + i) for i, power in enumerate((12, 10, 8, 6, 4, 2))
     )
+    crack, lost_grit = noise(0, 667), missing(2, step)
     lost_wide, lost_middle, lost_small, lost_fine = (missing(power, step) for power in (10, 8, 6, 4))
     above = np.minimum(-site.water, 1e3)
 
-    rough = uneven + 0.04 * lost_middle + 0.09 * lost_small + 0.06 * lost_fine
-    value = slope + 0.2 * middle + 0.3 * small + 0.25 * fine
+    rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
+    value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit
     # bare where waves reach
-    rock = threshold(value, 0.80, 0.14, rough)
+    rock = threshold(value, 0.84, 0.20, rough)
     washed = smoothstep(6.0, 1.0, above)
     rock = np.maximum(rock, washed * threshold(value, 0.34, 0.1, rough))
     rough = 4.0 * lost_middle + 9.0 * lost_small + step * step * slope**2 / 12.0 / 5.0
@@ -70,7 +71,7 @@ def cover(site: Sites) -> Covers:
     shares = (sand, rock, grass, shrubs, trees, stones)
 
     wet = smoothstep(1.0, 0.1, above + 0.6 * small)
-    tone = (1.0 + 0.3 * small + 0.3 * fine + 0.15 * grit)[..., None]
+    tone = (1.0 + 0.3 * small + 0.35 * fine + 0.4 * grit + 0.3 * crack)[..., None]
     stain = threshold(middle + small + fine, 0.12, 0.2, lost_middle + lost_small + lost_fine)
     stone = CHALK + (STAIN - CHALK) * (0.6 * stain)[..., None]
     dark = (washed * 0.8 * smoothstep(2.5, 0.5, above))[..., None]

@@ -21,7 +21,8 @@ CRAGS = (
     0.5,
 )  # of the relief above the base: from where on rock stands on gentle ground too, and all over
 GULLIES = Gullies(depth=1.1, gain=0.96, lift=0.62, lift_gain=0.75, soft=0.06, calm=0.1, sharpness=0.8)
-ROCK, TURF = 0.16, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
+SHARP = 0.7  # how much of it is folded into crests
+ROCK, TURF = 0.18, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
 
 
 class Alpine:
@@ -65,7 +66,7 @@ class Alpine:
         steep = slope2 / (slope2 + 0.5)
         rocky = (0.5 + self.roughness) * bare * (steep + crags * (1.0 - steep))
         rough = (TURF * (0.3 + 0.7 * bare) + ROCK * rocky) * (1.0 - 0.8 * beach)
-        land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough)
+        land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough, SHARP)
         zero = np.zeros(east.shape)
         opened = 0.8 + 0.2 * np.clip(0.5 + 0.5 * land.crest, 0.0, 1.0)
         return LandShape(

@@ -27,6 +27,7 @@ STEEPEST = 1.1  # rise over run that gullies grow to, as the ground gets steeper
 LEVEL = 1.273  # with which sharp crests and round troughs have mean 0
 WAVE_SEED, ROUGH_SEED = 30, 60
 GULLY_SLOPE = 0.95  # rms slope of an octave of gullies, over that of its sides in the open
+FOLD, FOLD_LEVEL = 0.002, 0.21  # roundness of folded noise, square; its mean
 ROUGH_PEAK = 0.77  # of an octave of noise, over its amplitude
 ROUGH_SLOPE = 1.02  # rms slope of an octave of noise, over its amplitude in wavelengths
 
@@ -165,11 +166,13 @@ def carve(
     return Relief(height, se, sn, crest, lost)
 
 
-def roughen(relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough) -> Relief:
+def roughen(
+    relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough, sharp=0.0
+) -> Relief:
     """Add noise that no water has shaped.
 
     An octave's height is `rough` (number or array) times its wavelength over 1 + the square of the slope that
-    it comes to lie on, so that cliffs do not become needles.
+    it comes to lie on, so that cliffs do not become needles. `sharp` (0..1) folds the noise into crests.
     """
     height, se, sn, lost = relief.height, relief.slope_east, relief.slope_north, relief.lost
     for power in range(coarsest, finest - 1, -1):
@@ -178,8 +181,11 @@ def roughen(relief: Relief, east, north, coarsest: int, finest: int, step, seed:
         lost = lost + (1.0 - carried(power, step)) * ROUGH_SLOPE**2 * part * part
         if np.any(weight > 0.0):
             value, de, dn = octave(east, north, power, seed + ROUGH_SEED)
+            folded = np.sqrt(value * value + FOLD)
+            bent = 1.0 - sharp - 1.6 * sharp * value / folded
+            value = value + sharp * (1.6 * (FOLD_LEVEL - folded) - value)
             scale = weight * part * 2.0**power
-            height, se, sn = height + scale * value, se + scale * de, sn + scale * dn
+            height, se, sn = height + scale * value, se + scale * bent * de, sn + scale * bent * dn
     return Relief(height, se, sn, relief.crest, lost)
 
 
