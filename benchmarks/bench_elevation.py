@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
 
@@ -62,7 +63,9 @@ def rows(report=None):
             files = make(Path(folder))
             if files is None:
                 continue
-            tries = [_open(files) for _ in range(ROUNDS)]
+            # a scene names at most 256 files one by one, so many tiles by their folder
+            names = files if len(files) < 10 else [folder]
+            tries = [_open(names) for _ in range(ROUNDS)]
             read, read_peak, ground, ground_peak = (min(column) for column in zip(*tries, strict=True))
             size = sum(path.stat().st_size for path in files) / 1e6
             found.append(
@@ -76,7 +79,7 @@ def rows(report=None):
                 )
             )
             if report is not None:
-                how = f"{SIDE}² samples, file to levels of the ground; best of {ROUNDS}, file in the system's cache"
+                how = f"{SIDE}² samples, file to levels of the ground, best of {ROUNDS}, files in cache"
                 report.add(f"elevation: {name} opens", ground, "s", goal="< 2", how=how)
                 report.add(
                     f"elevation: {name}, memory",
@@ -90,8 +93,8 @@ def rows(report=None):
     return found
 
 
-def _open(files):
-    names = json.dumps([str(path) for path in files])
+def _open(names):
+    names = json.dumps([str(name) for name in names])
     done = subprocess.run([sys.executable, "-c", _OPEN, names], capture_output=True, text=True, check=True)
     return json.loads(done.stdout.splitlines()[-1])
 
@@ -182,9 +185,29 @@ def picture(folder):
     return [path]
 
 
+def terrarium(folder):
+    """1,764 tiles of 256² (10,752²); their heights only need to be as hard to unpack as others."""
+    from PIL import Image
+
+    def write(address):
+        i, j = address
+        rows, columns = (slice(n * 79, n * 79 + 256) for n in address)
+        stored = (_degree()[rows, columns].astype(np.uint32) + 32768) << 8
+        path = folder / "12" / str(2124 + j) / f"{1428 + i}.png"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        rgb = np.stack([stored >> 16, stored >> 8 & 255, stored & 255], -1).astype(np.uint8)
+        Image.fromarray(rgb).save(path)
+        return path
+
+    _degree()
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(write, ((i, j) for i in range(42) for j in range(42))))
+
+
 KINDS = {
     "GeoTIFF, 512² deflate tiles": geotiff,
     "nine SRTM tiles": srtm,
     "nine SRTM tiles, zipped": zipped_srtm,
     "16-bit PNG": picture,
+    "1,764 Terrarium tiles": terrarium,
 }
