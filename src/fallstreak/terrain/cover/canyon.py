@@ -70,7 +70,7 @@ def cover(site: Sites) -> Covers:
     deep = smoothstep(0.03, 0.11, 1.0 - site.open)
     talus = (1.0 - wall) * deep * threshold(gentle + 0.5 * small, 0.36, 0.14, 0.25 * lost_small)
     rough = 0.25 * lost_middle + 0.04 * lost_small + 0.12 * lost_wide
-    bare = np.hypot(gentle, np.minimum(left, 0.1))
+    bare = np.hypot(gentle, np.minimum(left, 0.14))
     bare = threshold(bare + 0.5 * middle + 0.35 * wide + 0.2 * small, 0.16, 0.10, rough)
     bare = (1.0 - wall) * (1.0 - deep) * bare
     loose = np.maximum(1.0 - wall - talus - bare, 0.0)

@@ -14,13 +14,13 @@ import numpy as np
 
 from ..octaves import octave_weight
 from ..pattern import smoothstep
-from .canyons_graded import Graded, away, blend, least, ramp, rounded_size
+from .canyons_graded import Graded, away, blend, edge, least, ramp, rounded_size
 from .canyons_network import gorges, waves
-from .canyons_strata import FALL, LAYER, border, folds, hardness, rim_of, terrace, thickening
+from .canyons_strata import BED, FALL, LAYER, border, folds, hardness, rim_of, terrace, thickening
 from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
-WALL = 0.21  # half the width of a wall on the map, over the relief
+WALL = 0.175  # half the width of a wall on the map, over the relief
 MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
 FIN = 36.0  # m, how rounded crests between gorges are
@@ -89,7 +89,7 @@ class Canyons:
         plateau = bedding + domes * bare + 20.0 * noise(10, 38) - 6.0
         # on it mesas, one layer high
         mesa = away(0.6 * place + noise(10, 38) + 0.3 * wave8 - 0.36, 6e-4) + 0.5 * bays
-        plateau = plateau + ramp(mesa, -22.0, 22.0) * self.mesa
+        plateau = plateau + edge(mesa, 22.0) * self.mesa
         wash = (1.0 - ramp(g.side, 0.0, 90.0)) * g.divide * g.side_there
         plateau = plateau - 10.0 * wash
 
@@ -101,7 +101,7 @@ class Canyons:
         fade = np.clip(2.0 - 8.0 * step / span, 0.0, 1.0)
         cut, foot = self._cut(wall, g.main + fans, width, step)
         butte = away(noise(9, 43) + 0.5 * wave8 - 0.22, 4e-4)
-        kept = ramp(butte, -0.16 * relief, 0.16 * relief) * ramp(width - wall, 0.35 * relief, 0.8 * relief)
+        kept = edge(butte, 0.16 * relief) * ramp(width - wall, 0.35 * relief, 0.8 * relief)
         kept = kept * ramp(g.main, 60.0, 140.0)
         cut = cut - cut * kept
         terraces = 14.0 * ramp(g.main, 40.0, 500.0)
@@ -156,7 +156,9 @@ class Canyons:
             * rounded_size(waves(moved, n, power, seed + number) * octave_weight(power, step), soft).value
             for high, power, number, soft in JOINTS
         )
-        beds = hardness(along + steep * held * layer.rise, seed + 42) * octave_weight(4, 4.0 * step)
+        beds = hardness(along + steep * held * layer.rise, seed + 42) * np.clip(
+            2.0 - 6.4 * step * slope / BED, 0.0, 1.0
+        )
         out = (
             steep
             * united
@@ -183,7 +185,7 @@ class Canyons:
         spread = np.hypot(WALL * relief, step) / (WALL * relief)
         # domes are some 0.1 steep, of each octave about the same
         gone = 3.0 - sum(octave_weight(power, step) for power in (8, 7, 6))
-        lost = slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2 + (0.09 * bare.value) ** 2 * gone
+        lost = slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2 + (0.11 * bare.value) ** 2 * gone
         lost = np.sqrt(lost)
         over = np.clip(out, -REACH, REACH) / np.maximum(slope, 1e-3)
         sky = open_ * (1.0 - 0.4 * steep * held * layer.under)
@@ -216,7 +218,7 @@ def _agreement(a: Graded, b: Graded):
 
 def _trench(d: Graded, width, half) -> Graded:
     """A trench of a width on either side, convolved with a smooth kernel: its section keeps its area."""
-    return ramp(width - d, -half, half) + ramp(d + width, -half, half) - 1.0
+    return edge(width - d, half) + edge(d + width, half) - 1.0
 
 
 def _sky(d, width, below):

@@ -63,6 +63,20 @@ def ramp(x: Graded, low, high) -> Graded:
     return Graded(t * t * (3.0 - 2.0 * t), x.east * rise, x.north * rise)
 
 
+ROUNDED = 0.14
+
+
+def edge(x: Graded, half) -> Graded:
+    """0 below −`half`, 1 above `half`, straight between but for rounded ends."""
+    t = np.clip(0.5 + 0.5 * x.value / half, 0.0, 1.0)
+    near = np.minimum(t, 1.0 - t)
+    end = np.minimum(near / ROUNDED, 1.0)
+    per = 1.0 / (1.0 - ROUNDED)
+    low = per * (near - 0.5 * ROUNDED + 0.5 * ROUNDED * (1.0 - end) ** 2)
+    rise = per * end * 0.5 / half
+    return Graded(np.where(t < 0.5, low, 1.0 - low), x.east * rise, x.north * rise)
+
+
 def blend(a: Graded, b: Graded, share: Graded) -> Graded:
     """`a` where the share is 0, `b` where it is 1."""
     return a + (b - a) * share
