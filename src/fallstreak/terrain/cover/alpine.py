@@ -37,7 +37,7 @@ def cover(site: Sites) -> Covers:
 
     high = (height - TREE_LINE) / 1000.0
     rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
-    value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit + 0.12 * np.maximum(high, 0.0)
+    value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit + 0.2 * np.maximum(high, 0.0)
     rock = threshold(value, 0.92, 0.20, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
     value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine

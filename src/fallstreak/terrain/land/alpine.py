@@ -20,7 +20,7 @@ CRAGS = (
     0.12,
     0.5,
 )  # of the relief above the base: from where on rock stands on gentle ground too, and all over
-GULLIES = Gullies(depth=1.1, gain=0.96, lift=0.62, lift_gain=0.75, soft=0.06, calm=0.1, sharpness=0.8)
+GULLIES = Gullies(depth=1.0, gain=0.96, lift=0.6, lift_gain=0.75, soft=0.04, calm=0.08, sharpness=0.88)
 SHARP = 0.7  # how much of it is folded into crests
 ROCK, TURF = 0.18, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
 
