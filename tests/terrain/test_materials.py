@@ -52,7 +52,7 @@ FLAGS = {"ALBEDO": True, "TRIPLANAR": True, "MATERIAL_COPIES": True, "SHOW_MATER
 class Look:
     """A ball on a plain seen by a camera, through ground.wesl alone."""
 
-    def __init__(self, device, palette, **flags):
+    def __init__(self, device, palette, bare_radius=0.0, **flags):
         self.palette = palette
         self.graph = FrameGraph(device)
         self.probe = self.graph.uniform("probe", PROBE)
@@ -69,7 +69,7 @@ class Look:
                 "repeat": "sampler:linear-repeat",
             },
             flags={**FLAGS, **flags},
-            constants=ground_constants(palette),
+            constants=ground_constants(palette, bare_radius),
             structs=[PROBE],
         )
         self.graph.output("picture")
@@ -242,6 +242,19 @@ def test_wet_ground_is_darker(device):
     look = Look(device, PALETTES["rock"])
     dry, wet = (look.draw(5.0, shares=np.eye(6)[5], wetness=w).mean() for w in (0.0, 1.0))
     assert 0.4 < wet / dry < 0.75
+
+
+@pytest.mark.parametrize(
+    "palette", [PALETTES["green"], ("granite", "scree", "turf", "grass", "canopy", "sand")]
+)
+def test_near_trees_stand_on_a_floor_not_on_crowns(device, palette):
+    """Nearer than the radius in which trees stand the canopy gives way to what lies under it."""
+    look = Look(device, palette, bare_radius=200.0)
+    canopy = np.eye(6)[palette.index("canopy")]
+    floor = np.array(ground_constants(palette, 200.0)["FLOOR_ALBEDO"])
+    near, far = (look.draw(height, shares=canopy, fov=60).mean((0, 1)) for height in (60.0, 3000.0))
+    assert np.abs(near / floor - 1).max() < 0.08
+    assert np.abs(far / MATERIALS["canopy"].albedo - 1).max() < 0.08
 
 
 def test_debug_view_shows_shares(device):
