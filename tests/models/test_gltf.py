@@ -232,3 +232,19 @@ def test_the_shipped_models_are_small():
 
     assert sorted(p.stem for p in DATA.glob("*.glb")) == sorted(SHIPPED)
     assert sum(p.stat().st_size for p in DATA.iterdir()) < 2.5e6
+
+
+def test_a_picture_embedded_as_text(maker, tmp_path):
+    """.gltf files hold pictures as data: URIs of their own media type."""
+    import base64
+    import io
+
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.new("RGB", (4, 4), (10, 20, 30)).save(stream, "PNG")
+    uri = "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+    maker.tree["images"], maker.tree["textures"] = [{"uri": uri}], [{"source": 0}]
+    maker.cube(maker.material(pbrMetallicRoughness={"baseColorTexture": {"index": 0}}))
+    loaded = load_model(maker.save(tmp_path / "a.gltf"), "")
+    assert tuple(loaded.color[0, 0, 0]) == (10, 20, 30, 255)

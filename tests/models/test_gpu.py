@@ -80,7 +80,7 @@ def test_five_kilometres_are_as_stable_as_two_metres(cube_file):
         camera = {"north": 7.0 + 1e-3 * step, "east": 1234.5, "height": 4321.0}
         frame = still(world_of(cube_file, camera=camera, scale=2500.0, height=5000.0, north=2527.0))
         depths.append(float(middle(frame.depth)))
-    # the great cube's side is a plane of the anchor's axes, the camera stands on a sphere: what counts is the step
+    # its side is a plane of the anchor's axes, the camera stands on a sphere: what counts is the step
     steps = np.diff(depths) + 1e-3
     assert abs(depths[0] - 20.0) < 2.0
     assert np.abs(steps).max() < 4e-4

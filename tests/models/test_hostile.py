@@ -112,6 +112,10 @@ BROKEN = {
     "version 1": (lambda m: m.tree["asset"].update(version="1.0"), "glTF 2.0 is read"),
     "words for a list": (lambda m: m.tree.update(nodes="many"), "not glTF|speaks of"),
     "numbers for tables": (lambda m: m.tree.update(meshes=[3]), "not glTF"),
+    "meshes without end": (
+        lambda m: (m.tree["meshes"][0].update(primitives=[{"attributes": {}}] * 300),
+                   m.tree.update(nodes=[{"mesh": 0}] * 300, scenes=[{"nodes": list(range(300))}])),
+        "draws more than"),
     "nothing": (lambda m: m.tree.clear(), "no triangles"),
 }  # fmt: skip
 
@@ -191,6 +195,45 @@ def test_any_byte_may_be_wrong(tmp_path):
             assert "\n" not in str(error)
             outcomes.add("told")
     assert outcomes == {"loaded", "told"}
+
+
+JUNK = (None, True, -1, 0, 3, 10**20, 1.5, float("nan"), 1e308, "x", "", [], {}, [1], [None], {"a": 1}, 2**31)
+
+
+def places(tree, path=()):
+    """The path of everything in a tree."""
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    for key, value in items:
+        yield (*path, key)
+        yield from places(value, (*path, key))
+
+
+def test_any_word_may_be_wrong(tmp_path):
+    rng = np.random.default_rng(4)
+    path = tmp_path / "a.glb"
+    told = 0
+    for number in range(200):
+        maker = Maker()
+        texture = {"index": maker.picture(np.full((4, 4, 3), 9, np.uint8), wrapS=33071)}
+        rough = {"baseColorTexture": texture, "metallicFactor": 0.5, "baseColorFactor": [1, 1, 1, 1]}
+        maker.cube(maker.material(pbrMetallicRoughness=rough, normalTexture=texture, alphaMode="MASK"))
+        maker.tree["nodes"][0] |= {"children": [1], "rotation": [0, 0, 0, 1], "scale": [1, 1, 1]}
+        maker.tree["nodes"].append({"mesh": 0, "matrix": np.eye(4).ravel().tolist()})
+        maker.tree["buffers"] = [{"byteLength": len(maker.data)}]
+        found = list(places(maker.tree))
+        *at, last = found[rng.integers(len(found))]
+        table = maker.tree
+        for key in at:
+            table = table[key]
+        table[last] = JUNK[rng.integers(len(JUNK))]
+        maker.save(path)
+        os.utime(path, ns=(number, number))
+        try:
+            PlacedModels(fs.World(models=[{"file": str(path)}]))
+        except UserError as error:
+            assert "\n" not in str(error) and len(str(error)) < 400
+            told += 1
+    assert 50 < told < 200
 
 
 def test_a_folder_a_pipe_and_two_gigabytes(tmp_path):

@@ -103,7 +103,6 @@ def encode_octahedral(normals: np.ndarray) -> np.ndarray:
 
 def join(parts: list[Part]) -> Mesh:
     """All parts as one mesh: one draw, whatever the number of materials."""
-    parts = [part if part.normals is not None else faceted(part) for part in parts]
     vertices = np.zeros(sum(len(p.positions) for p in parts), VERTEX)
     indices = []
     start = 0

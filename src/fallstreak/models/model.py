@@ -75,9 +75,14 @@ def load_model(path: Path | None, name: str) -> LoadedModel:
     except (OSError, ValueError):
         key = (0, 0)
     try:
-        return _load(file, key)
+        with np.errstate(all="ignore"):  # what overflows is looked for, and told
+            return _load(file, key)
     except ModelError as error:
         raise ModelError(f"{shorten(str(path or name), 120)}: {error}") from None
+    except (AttributeError, TypeError, ValueError, LookupError, ArithmeticError) as error:
+        # The structure holds whatever the file says: a word where there should be a list of numbers.
+        reason = shorten(str(error), 80)
+        raise ModelError(f"{shorten(str(path or name), 120)}: it is not glTF 2.0 ({reason})") from None
 
 
 @lru_cache(8)
