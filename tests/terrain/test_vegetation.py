@@ -222,7 +222,7 @@ def test_a_hundred_thousand_instances(device):
 
 def test_the_feet_stand_on_the_ground_that_is_drawn(device):
     """Looked at from above, a foot is as deep as the mesh of the bare ground there."""
-    world = fs.load("jacksboro")
+    world = fs.load("jacksboro", overrides=["terrain.extent=20000"])
     graphs = []
     for density in (0.0, 1.0):
         graph = FrameGraph(device)
@@ -235,7 +235,7 @@ def test_the_feet_stand_on_the_ground_that_is_drawn(device):
         graph.compile()
         graphs.append((graph, view, terrain))
     errors = []
-    for east, north, above in ((-600.0, -7400.0, 60.0), (900.0, 2200.0, 90.0), (-3000.0, 4000.0, 150.0)):
+    for east, north, above in ((-600.0, -7400.0, 60.0), (900.0, 2200.0, 120.0)):
         eye = camera(east, north, world.terrain.height(east, north) + above, 0.0, -89.9, world.planet.radius)
         state = FrameState(0, 0.0, NOW, 0.0, world.seed, SIZE, world.planet.radius, eye, eye)
         for graph, view, terrain in graphs:
