@@ -13,7 +13,7 @@ TERRAIN_FRAME = Struct(
         ("camera_cell", "vec2i", "leaf cell under the camera"),
         ("tile", "vec2i", "m, whole multiple of 4096 near the camera: the origin of noise"),
         ("camera_height", "f32", "m above sea level"),
-        ("camera_above", "f32", "m above the ground below"),
+        ("camera_above", "f32", "m from the nearest ground, below or beside"),
         ("sun", "vec3f", "unit, towards the sun, world axes"),
         ("pole", "vec3f", "the planet's north pole in world axes"),
         (

@@ -15,6 +15,7 @@ from .frame import TERRAIN_FRAME
 from .land.levels import Levels
 from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
+from .near import NearGround
 from .vegetation import Vegetation, tree_radius
 from .water import add_water, water_constants
 
@@ -58,7 +59,6 @@ class Terrain:
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._light = graph.uniforms.get("sky.light")  # without a sky the sun stands overhead
         self._sees_globe = True
-        self._below: tuple[Any, float] = (None, 0.0)
         surface = (
             "mars"
             if world.terrain.material == "mars" and world.planet.surface != "ocean"
@@ -68,6 +68,7 @@ class Terrain:
         self.clip: ClipmapPasses | None = None
         self.vegetation: Vegetation | None = None
         if self.model.land is not None:
+            self._near = NearGround(self.model)
             self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
             add_materials(graph)
             self._add_ground(graph, world, quality, show)
@@ -230,7 +231,7 @@ class Terrain:
         cell = (floor((east + half) / leaf), floor((north + half) / leaf))
         tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
         pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
-        above = max(height - self._surface_below(east, north), 0.0)
+        above = self._near.distance(east, north, height)
         return {
             "camera_map": (east, north),
             "camera_height": height,
@@ -242,13 +243,6 @@ class Terrain:
             "range": min(max(1.0 / (self._grid * self._edge_px * pixel), MIN_RANGE), self.clip.range),
             **self.clip.move(east, north, above * pixel),
         }
-
-    def _surface_below(self, east: float, north: float) -> float:
-        """Rough height of ground or water at a place: enough for the level of detail."""
-        if self._below[0] != (east, north):
-            found = self.model.shape(east, north, 16.0)
-            self._below = (east, north), float(np.maximum(found.height, found.water))
-        return self._below[1]
 
 
 def grid_indices(columns: int, rows: int | None = None) -> np.ndarray:
