@@ -118,7 +118,9 @@ class Gltf:
             )
         kind, width = _TYPES.get(accessor.componentType), _COMPONENTS.get(accessor.type)
         if kind is None or width is None or (components and components != width):
-            raise ModelError(f"{where} has the type {shorten(accessor.type)} of {accessor.componentType}")
+            raise ModelError(
+                f"{where} has the type {shorten(accessor.type)} of {shorten(accessor.componentType)}"
+            )
         count = _whole(accessor.count, f"{where}.count")
         if accessor.bufferView is None:
             raise ModelError(f"{where} has no data (meshes compressed by an extension are not supported)")
@@ -289,7 +291,7 @@ def _check_version(tree: Any) -> None:
 
 
 def _whole(value: Any, what: str) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
         raise ModelError(f"{what} is {shorten(value)}")
     return value
 
