@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..land.canyons_graded import Graded
-from ..land.canyons_strata import BED, LAYER, cliff_of, folds, hardness, layer_of, thickening
+from ..land.canyons_strata import BAND, BED, LAYER, cliff_of, folds, hardness, layer_of, thickening
 from ..pattern import missing, smoothstep, speckle, threshold
 from .cover import Covers, Sites
 
 PALETTE = ("sandstone", "limestone", "scree", "sand", "soil", "shrubs")
 
 RED, BUFF = np.array([0.330, 0.185, 0.108]), np.array([0.450, 0.330, 0.220])
-DEEP, PALER = np.array([0.270, 0.138, 0.082]), np.array([0.110, 0.088, 0.068])
-SHALE, ROCK = np.array([0.235, 0.130, 0.088]), np.array([0.345, 0.215, 0.135])
+DEEP, PALER = np.array([0.270, 0.138, 0.082]), np.array([0.28, 0.38, 0.43])
+SHALE, ROCK = np.array([0.235, 0.130, 0.088]), np.array([0.350, 0.226, 0.146])
 VARNISH = np.array([0.105, 0.075, 0.060])
 SAND, CRUST = np.array([0.390, 0.255, 0.155]), np.array([0.195, 0.125, 0.082])
 SCREE = np.array([0.265, 0.170, 0.115])
@@ -45,21 +45,21 @@ def cover(site: Sites) -> Covers:
     rough = 0.16 * lost_small + 0.09 * lost_streaks
     wall = np.maximum(
         threshold(held + 0.4 * small + 0.3 * streaks, 1.05, 0.2, rough),
-        np.maximum(left - 0.2, 0.0) / (left + 3.0),
+        np.maximum(left - 0.18, 0.0) / (left + 1.6),
     )
     gentle = held + smoothstep(12.0, 80.0, step) * np.minimum(0.11 - held, 0.0)
     rise = step * np.minimum(gentle, 4.0)
     told = np.clip(2.0 - 2.0 * rise / LAYER, 0.0, 1.0)
     weak = 1.0 - smoothstep(-0.05, 0.05, (along - layer.low) / layer.thick - (1.0 - cliff_of(layer)))
     hue = 0.5 * (layer.number % 2.0) + 0.5 * layer.own[2]
-    buff = smoothstep(0.45, 0.75, hue)
-    bed = (
-        hardness(along, seed + 42) * np.clip(2.0 - 2.0 * rise / BED, 0.0, 1.0) * smoothstep(0.15, 0.5, gentle)
-    )
+    buff = smoothstep(0.42, 0.66, hue)
+    steep = smoothstep(0.15, 0.5, gentle)
+    bed = steep * np.clip(2.0 - 2.0 * rise / BED, 0.0, 1.0) * hardness(along, BED, seed + 42)
+    band = steep * np.clip(2.0 - 2.0 * rise / BAND, 0.0, 1.0) * hardness(along, BAND, seed + 43)
     rock = _mix(_mix(DEEP, RED, smoothstep(0.1, 0.35, hue)), BUFF, buff)
-    rock = _mix(rock, SHALE, 0.55 * weak)
+    rock = _mix(rock, SHALE, 0.6 * weak)
     rock = _mix(ROCK, rock, told * (1.0 - wall * left / (held + 0.3 + left)))
-    rock = rock + bed[..., None] * PALER
+    rock = rock * np.maximum(1.0 + (bed + 1.2 * band)[..., None] * PALER, 0.4)
     pale = np.clip(0.45 * bed + 0.25 * buff * told, 0.0, 1.0)
     rock = rock * (1.0 + 0.25 * middle + 0.3 * lines + 0.2 * fine)[..., None]
 

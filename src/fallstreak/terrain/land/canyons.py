@@ -156,7 +156,7 @@ class Canyons:
             * rounded_size(waves(moved, n, power, seed + number) * octave_weight(power, step), soft).value
             for high, power, number, soft in JOINTS
         )
-        beds = hardness(along + steep * held * layer.rise, seed + 42) * np.clip(
+        beds = hardness(along + steep * held * layer.rise, BED, seed + 42) * np.clip(
             2.0 - 6.4 * step * slope / BED, 0.0, 1.0
         )
         out = (

@@ -17,6 +17,7 @@ from .canyons_graded import Graded
 from .canyons_network import draws, waves
 
 LAYER = 84.0  # m
+BAND = 31.0  # m
 BED = 12.0  # m
 FALL = 0.0005  # of all the land, rise eastward
 
@@ -102,8 +103,8 @@ def terrace(height, overhang, rim: int, seed: int) -> Terrace:
     return Terrace((rise - q) * layer.thick, (back - q) * layer.thick, layer.thick, under, firm, layer.number)
 
 
-def hardness(height, seed: int):
+def hardness(height, thickness: float, seed: int):
     """Of single beds, −1 soft … 1 hard: sharper at a bed's top than at its foot; mean about 0."""
-    bed = layer_of(height, BED, seed)
+    bed = layer_of(height, thickness, seed)
     q = (height - bed.low) / bed.thick
     return (2.0 * bed.own[1] - 1.0) * smoothstep(0.0, 0.5, q) * smoothstep(0.0, 0.3, 1.0 - q)
