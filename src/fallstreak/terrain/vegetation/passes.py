@@ -6,7 +6,7 @@ Python's share of a frame is one uniform: cells, instances and draw arguments ar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, cos, floor, log2, pi, radians, sin, sqrt
+from math import ceil, cos, exp, floor, log2, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,7 @@ def _plants_struct(kinds: int) -> Struct:
             ("wind", "vec2f", "m/s, whereto it blows"),
             ("gust_rate", "f32", "gusts per second that pass a place"),
             ("density", "f32", "of all that grows, 0..1"),
+            ("sun_shade", "f32", "of the sun that a dense wood keeps from its floor"),
             ("time", "f32", "s, modulo 64"),
             ("before", "f32", "the same of the frame before"),
             ("seed", "u32", "of what stands where"),
@@ -125,6 +126,7 @@ class Vegetation:
         self._struct = _plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
         self._frames = 0
+        self._light = graph.uniforms.get("sky.light")
         self._cover_level = cover_level or (lambda radius: 0)
         self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
         self._plants.set(**self._fixed(world, palette))
@@ -330,6 +332,13 @@ class Vegetation:
             order=0.5,
         )
 
+    def _sine_of_sun(self, state: FrameState) -> float:
+        """Of the sun's elevation at the camera; without a sky it stands overhead."""
+        if self._light is None:
+            return 1.0
+        up = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
+        return float(self._light.record["sun_direction"] @ up / np.linalg.norm(up))
+
     def _is_first(self) -> bool:
         """Whether the pictures of the impostors are still to be made."""
         return self._frames <= 1
@@ -356,7 +365,13 @@ class Vegetation:
             levels=levels,
             time=state.time % PERIOD,
             before=(state.time - state.delta) % PERIOD,
+            sun_shade=_sun_shade(self._sine_of_sun(state)),
         )
+
+
+def _sun_shade(sine: float) -> float:
+    """Of the sun's light that crowns take on its way down into a dense wood: the more the lower it stands."""
+    return 0.25 + 0.65 * (1.0 - exp(-0.15 / max(sine, 0.02)))
 
 
 def _count(kind: Kind, level: int) -> int:
