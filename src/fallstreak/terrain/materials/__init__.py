@@ -6,7 +6,7 @@ them, its palette (as in the Infinity journal, which combines textures by what a
 ``ground.wesl`` mixes them in the pixel, by height, so that grass stands in the joints of rock and not half
 over it.
 
-Cost: 2 × 21 MB of texture with mips; loading takes some 0.2 s.
+Cost: 2 × 21 MB of texture with mips; loading takes some 0.25 s.
 """
 
 from __future__ import annotations
