@@ -166,6 +166,14 @@ def refuse(path, *expected):
     assert "\n" not in message and len(message) < 500
 
 
+def test_tags_that_are_text(tmp_path):
+    for kind, text in ((33550, "ModelPixelScale"), (33922, "ModelTiepoint")):
+        tags = [(33550, "d", 3, (1.0, 1.0, 0.0), True), (33922, "d", 6, (0.0,) * 6, True)]
+        tags = [(code, "s", 0, "far away", True) if code == kind else (code, *rest) for code, *rest in tags]
+        tifffile.imwrite(tmp_path / "a.tif", heights(), extratags=tags)
+        refuse(tmp_path / "a.tif", text)
+
+
 @pytest.mark.parametrize("options", [{}, {"tile": (64, 64), "compression": "zlib"}])
 def test_cut_off_files(tmp_path, options):
     path = tiled(tmp_path / "a.tif", rough("f4"), **options)

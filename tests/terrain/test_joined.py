@@ -233,6 +233,14 @@ def test_what_a_scene_may_not_name(tmp_path, file, expected):
     assert "\n" not in message and len(message) < 700
 
 
+@pytest.mark.parametrize("reach", [1e-9, 1e9, 1e300])
+def test_samples_absurdly_near_or_far(tmp_path, reach):
+    edges = {"west": -reach, "east": reach, "south": -reach, "north": reach}
+    np.savez(tmp_path / "a.npz", z=np.ones((8, 8)), crs="metres", **edges)
+    with pytest.raises(WorldError, match=r"a\.npz: its samples are .* apart; allowed are 0.01 m to 1000 km"):
+        terrain_model(load(tmp_path, '"a.npz"'))
+
+
 def test_too_many_files(tmp_path, monkeypatch):
     monkeypatch.setattr("fallstreak.world.files.MOST", 3)
     for index in range(5):

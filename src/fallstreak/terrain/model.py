@@ -158,6 +158,9 @@ def _build(key: tuple) -> TerrainModel:
     return TerrainModel(Levels(build(heights, extent), extent, ground, level), radius, extent, island)
 
 
+_FINEST_FILE, _COARSEST_FILE = 0.01, 1e6  # m between samples
+
+
 def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> None:
     rows, columns = grid.shape
     c, r = np.meshgrid(np.linspace(0, columns - 1, 9), np.linspace(0, rows - 1, 9))
@@ -170,4 +173,10 @@ def _check_near(grid: ElevationGrid, place, radius: float, extent: float) -> Non
             f"{grid.name}: the elevations lie {nearest / 1e3:,.0f} km from place (latitude {place[0]:g}, "
             f"longitude {place[1]:g}), beyond terrain.extent of {extent / 1e3:g} km: "
             "set place to a point in the file"
+        )
+    spacing = grid.spacing(place, radius)
+    if not _FINEST_FILE <= spacing <= _COARSEST_FILE:
+        raise WorldError(
+            f"{grid.name}: its samples are {spacing:.3g} m apart; "
+            f"allowed are {_FINEST_FILE:g} m to {_COARSEST_FILE / 1e3:g} km"
         )

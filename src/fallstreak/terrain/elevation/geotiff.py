@@ -107,8 +107,8 @@ class _Parts(Raster):
 
 
 def _axes(path: Path, tags: dict[int, Any]) -> Axes:
-    scale, tie = tags.get(33550), tags.get(33922)
-    if scale is None or tie is None or len(scale) < 2 or len(tie) < 6:
+    scale, tie = _numbers(tags.get(33550)), _numbers(tags.get(33922))
+    if len(scale) < 2 or len(tie) < 6:
         raise WorldError(
             f"{path}: no ModelPixelScale and ModelTiepoint tags: the picture does not say where it lies"
         )
@@ -134,11 +134,15 @@ def _crs(path: Path, keys: dict[int, int]) -> Any:
 
 
 def _geokeys(directory: Any) -> dict[int, int]:
-    if directory is None or len(directory) < 4:
-        return {}
-    entries = np.asarray(directory)[4:]
+    entries = np.asarray(_numbers(directory)[4:])
     rows = entries[: len(entries) // 4 * 4].reshape(-1, 4)
     return {int(key): int(value) for key, location, _, value in rows if location == 0}
+
+
+def _numbers(value: Any) -> tuple[float, ...]:
+    """The numbers of a tag; none where it holds something else."""
+    values = value if isinstance(value, tuple) else (value,)
+    return values if all(isinstance(v, (int, float)) for v in values) else ()
 
 
 def _nodata(text: Any) -> float | None:

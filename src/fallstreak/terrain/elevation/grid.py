@@ -146,4 +146,5 @@ class ElevationGrid:
         rows, columns = self.shape
         c, r = 0.5 * (columns - 1), 0.5 * (rows - 1)
         e, n = self.map_position(np.array([c, c + 1, c]), np.array([r, r, r + 1]), place, radius)
-        return float(np.sqrt(abs((e[1] - e[0]) * (n[2] - n[0]) - (n[1] - n[0]) * (e[2] - e[0]))))
+        with np.errstate(over="ignore", invalid="ignore"):  # of files that make no sense
+            return float(np.sqrt(abs((e[1] - e[0]) * (n[2] - n[0]) - (n[1] - n[0]) * (e[2] - e[0]))))

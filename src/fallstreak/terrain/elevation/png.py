@@ -78,8 +78,8 @@ def open_picture(path: Path) -> Any:
     from PIL import Image
 
     try:
-        image = Image.open(path, formats=("PNG",))
-        image.load()
+        with Image.open(path, formats=("PNG",)) as image:
+            image.load()
     except Exception as error:
         reason = (str(error).splitlines() or ["no reason given"])[0][:120]
         raise WorldError(f"{path}: not a readable PNG ({reason})") from None
