@@ -18,7 +18,7 @@ VARNISH = np.array([0.105, 0.075, 0.060])
 SAND, CRUST = np.array([0.390, 0.255, 0.155]), np.array([0.195, 0.125, 0.082])
 SCREE = np.array([0.265, 0.170, 0.115])
 JUNIPERS = np.array([0.054, 0.055, 0.032])
-SCRUB, WILLOWS = np.array([0.105, 0.092, 0.050]), np.array([0.062, 0.076, 0.026])
+SCRUB, WILLOWS = np.array([0.105, 0.092, 0.050]), np.array([0.066, 0.086, 0.026])
 
 
 def cover(site: Sites) -> Covers:
@@ -76,7 +76,7 @@ def cover(site: Sites) -> Covers:
     loose = np.maximum(1.0 - wall - talus - bare, 0.0)
 
     above = -site.water
-    wet = smoothstep(9.0, 2.0, above + 8.0 * small + 6.0 * streaks) * smoothstep(0.7, 0.35, site.slope)
+    wet = smoothstep(11.0, 3.0, above + 8.0 * small + 6.0 * streaks) * smoothstep(0.7, 0.35, site.slope)
     beside, dry = loose * wet, loose * (1.0 - wet)
     rough = lost_middle + 0.36 * lost_small + 0.64 * lost_wide + 0.25 * lost_broad
     sandy = threshold(middle + 0.6 * small + 0.8 * wide + 0.5 * broad + 0.3 * site.hollow, 0.10, 0.2, rough)
@@ -85,7 +85,7 @@ def cover(site: Sites) -> Covers:
     rough = lost_wide + 0.64 * lost_broad + 0.49 * lost_middle + 0.16 * lost_small
     wooded = threshold(wide + 0.8 * broad + 0.7 * middle + 0.4 * small, 0.14, 0.16, rough)
     stand = wooded * (0.35 + 0.45 * scrub)
-    willows = beside * (0.35 + 0.5 * scrub)
+    willows = beside * (0.5 + 0.45 * scrub)
     junipers = dry * stand + 0.35 * bare * stand
     bushes = dry * (1.0 - stand) * 0.6 * scrub * (1.0 - 0.5 * sandy) + 0.25 * talus * scrub
     ground = dry * (1.0 - stand) * (1.0 - 0.6 * scrub * (1.0 - 0.5 * sandy))
