@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import WorldError, shorten
 from .source import parse_layer, read_text
-from .terrain import is_path, with_paths
+from .terrain import PRESETS, is_path, with_paths
 from .trees import assign, plain
 
 if TYPE_CHECKING:
@@ -24,9 +24,12 @@ def to_toml(world: World) -> str:
     from .world import World
 
     preset = world.planet.preset
-    default = World(planet={"preset": preset})
+    source = {"source": world.terrain.source} if world.terrain.source in PRESETS else {}
+    default = World(planet={"preset": preset}, terrain=source)
     document = tomlkit.document()
     values = _differences(world, default)
+    if source:
+        values["terrain"] = source | values.get("terrain", {})
     if preset != "earth":
         values["planet"] = {"preset": preset} | values.get("planet", {})
     terrain = values.get("terrain", {})
