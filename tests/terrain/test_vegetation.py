@@ -46,13 +46,16 @@ def camera(east, north, height, heading, pitch, radius=RADIUS, fov=50.0):
 class Meadow:
     """Plants alone on flat ground that feeds them everywhere."""
 
-    def __init__(self, device, material="alpine", radius=120.0, pixels=(90.0, 30.0), wind=0.0, density=1.0):
+    def __init__(
+        self, device, material="alpine", radius=120.0, pixels=(90.0, 30.0), wind=0.0, density=1.0, size=SIZE
+    ):
         terrain = SimpleNamespace(material=material, vegetation=density, wind=wind)
         quality = SimpleNamespace(vegetation_radius=radius, vegetation_pixels=pixels)
+        self.size = size
         self.graph = FrameGraph(device)
         self.view = self.graph.uniform("view", VIEW)
         self.frame = self.graph.uniform("terrain.frame", TERRAIN_FRAME)
-        add_gbuffer(self.graph, SIZE)
+        add_gbuffer(self.graph, size)
         self.plants = Vegetation(
             self.graph,
             SimpleNamespace(terrain=terrain, seed=7),
@@ -64,13 +67,13 @@ class Meadow:
             self.graph.output(*COLOR, DEPTH, "plants.draws", "plants.placed")
         self.graph.compile()
 
-    def draw(self, *pose, time=0.0, delta=0.0, jitter=(0.0, 0.0)):
+    def draw(self, *pose, time=0.0, delta=0.0, jitter=(0.0, 0.0), above=0.0):
         eye = camera(*pose)
-        state = FrameState(0, time, NOW, delta, 7, SIZE, RADIUS, eye, eye, jitter)
+        state = FrameState(0, time, NOW, delta, 7, self.size, RADIUS, eye, eye, jitter)
         self.view.set(**view_values(state))
         east, north = map_coordinates(eye.position, RADIUS)
         self.frame.set(camera_map=(east, north), camera_height=state.altitude)
-        self.plants.update(state)
+        self.plants.update(state, above)
         self.graph.execute()
 
     def read(self, name):
@@ -92,7 +95,7 @@ class Meadow:
 
     def surface(self):
         """Whether a pixel shows a plant or rock (H, W)."""
-        return self.read("gbuffer.depth").reshape(SIZE[1], SIZE[0]) > 0.0
+        return self.read("gbuffer.depth").reshape(self.size[1], self.size[0]) > 0.0
 
 
 def interval(words):
@@ -212,12 +215,22 @@ def test_nothing_grows_without_density_or_country(device):
 
 def test_a_hundred_thousand_instances(device):
     """All are drawn, by as many calls as a few are."""
-    few, many = Meadow(device, radius=60.0), Meadow(device, radius=2400.0, pixels=(400.0, 200.0))
+    few = Meadow(device, radius=60.0)
+    many = Meadow(device, radius=2400.0, pixels=(400.0, 200.0), size=(640, 360))
     few.draw(0.0, 0.0, 20.0, 0.0, -10.0)
-    many.draw(0.0, 0.0, 1500.0, 0.0, -89.0, RADIUS, 100.0)
+    many.draw(0.0, 0.0, 700.0, 0.0, -89.0, RADIUS, 100.0)
     assert many.counts().sum() > 100_000
-    assert many.surface().mean() > 0.15  # from 1.5 km above a thinning forest
+    assert many.surface().mean() > 0.3
     assert few.graph.stats()["calls"] == many.graph.stats()["calls"]
+
+
+def test_far_above_the_ground_plants_cost_nothing(device):
+    meadow = Meadow(device, radius=60.0)
+    for above, expected in ((20.0, True), (5000.0, False), (30.0, True)):
+        meadow.draw(0.0, 0.0, above, 0.0, -10.0, above=above)
+        ran = {p["name"]: p["ran"] for p in meadow.graph.stats()["passes"]}
+        assert ran["plants.placement"] == ran["plants.conifer2"] == expected
+        assert meadow.surface().any() or not expected
 
 
 def test_the_feet_stand_on_the_ground_that_is_drawn(device):

@@ -12,7 +12,8 @@ The way of a frame
     ``plants.<kind>0``    fine meshes          one indirect draw each, however many stand there
     ``plants.<kind>1``    coarse meshes
     ``plants.<kind>2``    impostors: 8 × 8 pictures over the upper half of directions (Brucks 2018), which
-                          ``plants.<kind>.bake`` makes of the fine mesh in the first frame
+                          ``plants.<kind>.bake`` makes of the fine mesh in the first frame; stones are 80
+                          triangles instead
 
     Two levels that share a plant share its pixels by an ordered dither that moves with the sampling
     point, so that anti-aliasing over frames or samples makes a fade of it. At their radius trees leave
@@ -25,7 +26,7 @@ Wind
 
 Limits
     One mesh per kind, turned, stretched and coloured for each plant. No shadows but what crowns throw on
-    themselves (`look.sky`). Stones have no impostors and end at a third of the trees' radius. Which
+    themselves (`look.sky`). Stones and shrubs end at half of the trees' radius. Which
     plants stand where depends on the quality's radius, by the level of the clipmap that their cover is
     read from.
 

@@ -23,7 +23,7 @@ class Kind:
 
     Attributes
     ----------
-    mesh : level of detail (0, 1) -> Mesh
+    mesh : level of detail (0, 1; 2 where there are no impostors) -> Mesh
     leaf : layer of the cards
     cell : m, width of a cell of the lattice
     reach : share of the trees' radius within which it is drawn
@@ -44,8 +44,8 @@ KINDS = (
     Kind("conifer", shapes.conifer, cards.FROND, 5.5, 1.0, (64, 128)),
     Kind("broadleaf", shapes.broadleaf, cards.LEAVES, 7.0, 1.0, (112, 128)),
     Kind("juniper", shapes.juniper, cards.FROND, 7.0, 1.0, (112, 96)),
-    Kind("shrub", shapes.shrub, cards.SPRAY, 3.0, 0.35, (96, 64), 0.4),
-    Kind("rock", shapes.rock, cards.BARK, 4.0, 0.35, None, 0.8),
+    Kind("shrub", shapes.shrub, cards.SPRAY, 3.0, 0.45, (96, 64), 0.4),
+    Kind("rock", shapes.rock, cards.BARK, 4.0, 0.55, None, 0.8),
 )
 
 
@@ -99,7 +99,11 @@ FLORA: dict[str, dict[str, Species]] = {
         "rock": _rocks(_STONES, (0.15, 3.2)),
     },
     "coast": {
-        "conifer": Species((4.0, 14.0), _SPRUCE, growth=0.8, slope=1.1),
+        # evergreen oaks, pines, maquis
+        "conifer": Species((4.0, 14.0), _SPRUCE, growth=0.15, of_ground=0.3, slope=1.1),
+        "broadleaf": Species((4.0, 10.0), ((0.034, 0.046, 0.020), (0.052, 0.060, 0.026)), growth=0.65,
+                             of_ground=0.3, slope=1.1),
+        "juniper": Species((1.2, 3.5), ((0.032, 0.042, 0.018), (0.060, 0.064, 0.030)), growth=0.4, slope=1.2),
         "shrub": Species((0.4, 1.6), ((0.045, 0.052, 0.020), (0.080, 0.075, 0.032)), growth=0.05,
                          soil={"shrubs": 0.6, "grass": 0.03}, rarity=1.5),
         "rock": _rocks(_STONES),

@@ -20,7 +20,7 @@ from . import cards
 from .flora import FLORA, KINDS, Kind, Species, affinity
 
 LEVELS = 3
-"""Levels of detail: fine mesh, coarse mesh, impostor."""
+"""Levels of detail: fine mesh, coarse mesh, impostor (of stones: a few triangles)."""
 
 VIEWS = 8
 """An impostor has VIEWS × VIEWS pictures over the upper half of all directions."""
@@ -125,7 +125,7 @@ class Vegetation:
             return
         self._struct = _plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
-        self._frames = 0
+        self._frames, self._near = 0, True
         self._light = graph.uniforms.get("sky.light")
         self._cover_level = cover_level or (lambda radius: 0)
         self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
@@ -196,10 +196,10 @@ class Vegetation:
         constants: dict[str, Any],
         flags: dict[str, bool],
     ) -> None:
-        graph.buffer("plants.squares", 4 * sum(a * a for a in self._across))
-        graph.buffer("plants.workgroups", 12, usage=("indirect",))
-        graph.buffer("plants.draws", 20 * LEVELS * len(self.stands), usage=("indirect",))
-        graph.buffer("plants.placed", 32 * self.capacity)
+        graph.buffer("plants.squares", 4 * sum(a * a for a in self._across), persistent=True)
+        graph.buffer("plants.workgroups", 12, usage=("indirect",), persistent=True)
+        graph.buffer("plants.draws", 20 * LEVELS * len(self.stands), usage=("indirect",), persistent=True)
+        graph.buffer("plants.placed", 32 * self.capacity, persistent=True)
         common = {"view": "view", "terrain": "terrain.frame", "plants": "plants", **bind}
         constants = {"KINDS": len(self.stands), "LEVELS": LEVELS, "GROUND": ground, **constants}
         structs = [TERRAIN_FRAME, self._struct]
@@ -216,6 +216,7 @@ class Vegetation:
             structs=structs,
             constants=constants,
             flags=flags,
+            when=self._is_near,
         )
         graph.compute(
             "plants.placement",
@@ -225,13 +226,14 @@ class Vegetation:
             structs=structs,
             constants=constants,
             flags=flags,
+            when=self._is_near,
         )
 
     def _add_draws(self, graph: FrameGraph, index: int, stand: _Stand) -> None:
         kind = stand.kind
         layers = {"LEAF_LAYER": kind.leaf, "BARK_LAYER": cards.BARK}
         stone = kind.tile is None
-        for level in range(2):
+        for level in range(LEVELS if stone else 2):
             mesh = kind.mesh(level)
             name = f"plants.{kind.name}{level}"
             graph.buffer_data(f"{name}.vertices", mesh.vertices)
@@ -256,6 +258,7 @@ class Vegetation:
                 constants={"FIRST": stand.first[level], **layers},
                 flags={"STONE": stone},
                 order=0.5,
+                when=self._is_near,
             )
         if kind.tile is not None:
             self._add_impostor(graph, index, stand, layers)
@@ -330,6 +333,7 @@ class Vegetation:
                 **frame,
             },
             order=0.5,
+            when=self._is_near,
         )
 
     def _sine_of_sun(self, state: FrameState) -> float:
@@ -343,11 +347,17 @@ class Vegetation:
         """Whether the pictures of the impostors are still to be made."""
         return self._frames <= 1
 
-    def update(self, state: FrameState) -> None:
-        """Set the uniform of a frame."""
+    def _is_near(self) -> bool:
+        """Whether anything may be within its radius."""
+        return self._near
+
+    def update(self, state: FrameState, above: float = 0.0) -> None:
+        """Set the uniform of a frame; `above` is the camera's height over the ground, m."""
         if not self.stands:
             return
         self._frames += 1
+        # ground elsewhere may be higher than below the camera, but hardly by as much as it is away
+        self._near = above < 2.0 * max(s.radius for s in self.stands)
         east, north = map_coordinates(state.camera.position, state.planet_radius)
         pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
         windows, grids, levels = [], [], []
@@ -357,8 +367,7 @@ class Vegetation:
             middle = [_SQUARE * floor(x / (_SQUARE * cell)) for x in (east, north)]
             windows.append((*middle, across, self._cover_level(stand.radius)))
             grids.append((east - middle[0] * cell, north - middle[1] * cell, cell, stand.radius))
-            last = away[1] if stand.kind.tile else 1e9
-            levels.append((away[0], last, *stand.farthest))
+            levels.append((*away, *stand.farthest))
         self._plants.set(
             windows=windows,
             grids=grids,
@@ -375,9 +384,7 @@ def _sun_shade(sine: float) -> float:
 
 
 def _count(kind: Kind, level: int) -> int:
-    if level < 2:
-        return len(kind.mesh(level).indices)
-    return 6 if kind.tile else 0
+    return 6 if level == 2 and kind.tile else len(kind.mesh(level).indices)
 
 
 def _stands(country: dict[str, Species], radius: float) -> list[_Stand]:
@@ -390,9 +397,8 @@ def _stands(country: dict[str, Species], radius: float) -> list[_Stand]:
         species = country[kind.name]
         own = radius * kind.reach
         fine = min(9.0 * species.heights[1], own)
-        coarse = min(30.0 * species.heights[1], own) if kind.tile else 1e9
-        near, middle = _room(fine, kind.cell), _room(min(coarse, own), kind.cell)
-        far = _room(own, kind.cell) if kind.tile else 0
+        coarse = min(30.0 * species.heights[1], own)
+        near, middle, far = (_room(r, kind.cell) for r in (fine, coarse, own))
         places = (first, first + near, first + near + middle)
         stands.append(_Stand(kind, species, own, (fine, coarse), places, (near, middle, far)))
         first += near + middle + far

@@ -247,7 +247,7 @@ def _ball(level: int) -> tuple[np.ndarray, np.ndarray]:
 def rock(level: int = 0) -> Mesh:
     """A boulder: a ball that planes have cut, weathered, a third of it under the ground."""
     rng = np.random.default_rng(3)
-    directions, faces = _ball(4 if level == 0 else 2)
+    directions, faces = _ball(3 - level)
     planes = _unit(rng.normal(size=(15, 3)) * [1.0, 1.0, 0.8])
     distance = rng.uniform(0.55, 0.86, 15)
     cut = distance / np.maximum(directions @ planes.T, 1e-3)
