@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,9 @@ from .tiff_codecs import Unpacker, UnreadableError, unpacker
 _MODEL_TYPE, _RASTER_TYPE, _PROJECTED = 1024, 1025, 3072
 _UNIT_LINEAR = 3076
 _LARGEST_PART = 256 << 20  # bytes of a tile or strip, which is unpacked as a whole
+
+# What tifffile remarks on a damaged file goes to whoever listens to logs; ours is one sentence.
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
 
 def read_geotiff(path: Path) -> ElevationGrid:
