@@ -58,7 +58,7 @@ class ClipmapPasses:
         world: Any,
         quality: Any,
         size: tuple[int, int],
-        planet: dict[str, int],
+        planet: dict[str, float],
     ):
         land = model.land
         assert land is not None
@@ -99,7 +99,7 @@ class ClipmapPasses:
             graph.texture_data("terrain.lost", land.pyramid.lost, "r32float", dimension="2d-array")
         self._declare(graph, planet)
 
-    def _declare(self, graph: FrameGraph, planet: dict[str, int]) -> None:
+    def _declare(self, graph: FrameGraph, planet: dict[str, float]) -> None:
         width = self.clip.tiles * TILE
         layers = (width, width, self.levels)
         for name, format in (

@@ -17,7 +17,7 @@ from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
 from .near import NearGround
 from .vegetation import Vegetation, tree_radius
-from .water import add_water, water_constants
+from .water import add_water, slope_variance, water_constants
 
 MAX_NODES = 2048
 RINGS, SECTORS = 48, 128
@@ -64,7 +64,11 @@ class Terrain:
             if world.terrain.material == "mars" and world.planet.surface != "ocean"
             else world.planet.surface
         )
-        planet = {"SURFACE_KIND": _SURFACES[surface], "PLANET_OCTAVES": quality.terrain_planet_octaves}
+        planet = {
+            "SURFACE_KIND": _SURFACES[surface],
+            "PLANET_OCTAVES": quality.terrain_planet_octaves,
+            "SEA_ROUGHNESS": slope_variance(world.terrain.wind) ** 0.25,
+        }
         self.clip: ClipmapPasses | None = None
         self.vegetation: Vegetation | None = None
         if self.model.land is not None:
@@ -154,7 +158,7 @@ class Terrain:
             },
         )
 
-    def _add_globe(self, graph: FrameGraph, planet: dict[str, int]) -> None:
+    def _add_globe(self, graph: FrameGraph, planet: dict[str, float]) -> None:
         graph.buffer_data("terrain.globe_index", grid_indices(SECTORS, RINGS), usage=("index",))
         graph.render(
             "terrain.globe",
@@ -178,7 +182,7 @@ class Terrain:
             self._frame.set(sun=self._light.record["sun_direction"])
         self._frame.set(**moving)
         if self.vegetation is not None:
-            self.vegetation.update(state)
+            self.vegetation.update(state, moving["camera_above"])
 
     def _sees_beyond(self, moving: dict[str, Any], radius: float) -> bool:
         """Whether the horizon may lie outside of the terrain's round map."""
