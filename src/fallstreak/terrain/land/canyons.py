@@ -25,6 +25,7 @@ MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side
 REACH = 58.0  # m, of shifts
 FIN = 36.0  # m, how rounded crests between gorges are
 GLOW = 0.3  # of what hides the sky, as bright as it
+LEAST_RELIEF = 20.0  # m
 BANK = 4.0  # m, of the gorge's floor above the river
 JOINTS = ((20.0, 6, 47, 0.02), (7.0, 5, 48, 0.02), (2.2, 4, 45, 0.03), (1.2, 3, 46, 0.03))
 """Of cliffs: m, power of the wavelength, number of the noise, how rounded."""
@@ -44,7 +45,7 @@ class Canyons:
     shift_bound = REACH + 1.0
 
     def __init__(self, land: Any, seed: int):
-        self.base, self.relief = land.base_height, land.relief
+        self.base, self.relief = land.base_height, max(land.relief, LEAST_RELIEF)
         self.roughness, self.seed = land.roughness, seed
         self.power = int(np.clip(np.round(np.log2(land.feature_size)), 10, 14))
         self.outside = self.base
@@ -54,7 +55,9 @@ class Canyons:
 
     def bounds(self) -> tuple[float, float]:
         """Lowest and highest height anywhere, m."""
-        return self.base - self.relief - 160.0, self.base + 220.0
+        # of what leans over 160 km, folds and rolls by noise that is at most 0.77
+        lean, rolling = 160e3 * FALL, 0.77 * (60.0 + 20.0 + 26.0 + 12.0 + 6.0)
+        return self.top - self.relief - lean - 10.0, self.top + self.mesa + lean + rolling + 10.0
 
     def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
         """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
