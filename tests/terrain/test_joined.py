@@ -247,6 +247,8 @@ def test_too_many_files(tmp_path, monkeypatch):
         (tmp_path / f"{index}.npz").touch()
     with pytest.raises(WorldError, match="more than 3 files"):
         load(tmp_path, '"./"')
+    with pytest.raises(WorldError, match="more than 3 files"):
+        load(tmp_path, '["0.npz", "[123].npz"]')
 
 
 def test_check_says_what_was_filled(tmp_path):

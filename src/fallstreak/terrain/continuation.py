@@ -89,6 +89,8 @@ class FileLand:
         e, n = np.meshgrid(east, north)
         column, row = self.grid.pixels(e, n, self.place, self.radius)
         inside = self._inside_weight(column, row)
+        if inside.min() == 1.0:  # the file alone, as everywhere near the anchor of a large one
+            return self.mips.evaluate(level, column, row)
         out = np.empty(e.shape)
         known, open_land = inside > 0.0, inside < 1.0
         file = self.mips.evaluate(level, column[known], row[known])

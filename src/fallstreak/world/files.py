@@ -17,6 +17,14 @@ MOST = 4096
 _WILD = "*?["
 
 
+def all_files(names: tuple[str | None, ...]) -> tuple[tuple[Path, ...], ...]:
+    """For each entry of ``terrain.file`` its `elevation_files`; none for None. At most `MOST` in all."""
+    found = tuple(() if name is None else tuple(elevation_files(name)) for name in names)
+    if sum(map(len, found)) > MOST:
+        raise WorldError(f"the list stands for more than {MOST:,} files; join fewer")
+    return found
+
+
 def elevation_files(name: str) -> list[Path]:
     """The files that one entry of ``terrain.file`` stands for, sorted.
 

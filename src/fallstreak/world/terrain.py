@@ -12,7 +12,7 @@ from pydantic import PlainValidator, PrivateAttr, model_validator
 from . import queries
 from .errors import WorldError
 from .fields import Number, Section, Whole, choice, quantity
-from .files import changed, elevation_files, sidecars
+from .files import all_files, changed, sidecars
 
 if TYPE_CHECKING:
     from .world import World
@@ -128,10 +128,10 @@ class Terrain(Section):
         Raises
         ------
         WorldError
-            For a folder or a pattern without elevation files.
+            For a folder or a pattern without elevation files, and for too many files.
         """
         if self._found is None:
-            self._found = tuple(tuple(elevation_files(name)) if is_path(name) else () for name in self.names)
+            self._found = all_files(tuple(name if is_path(name) else None for name in self.names))
         return self._found
 
     @property
