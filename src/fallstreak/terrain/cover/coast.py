@@ -36,7 +36,7 @@ def cover(site: Sites) -> Covers:
     lost_wide, lost_middle, lost_small, lost_fine = (missing(power, step) for power in (10, 8, 6, 4))
     above = np.minimum(-site.water, 1e3)
 
-    rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
+    rough = 0.6 * uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
     value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit
     # bare where waves reach
     rock = threshold(value, 0.84, 0.20, rough)

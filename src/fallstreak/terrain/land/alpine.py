@@ -12,7 +12,7 @@ from .erosion import Gullies, Relief, carve, fill, roughen
 from .shape import LandShape
 from .shoreline import wash
 
-MASSIF = (0.5, 0.5, 0.22)  # amplitudes of the large forms over the relief, each half as wide as the last
+MASSIF = (0.5, 0.45, 0.32)  # amplitudes of the large forms over the relief, each half as wide as the last
 SCALE = 0.85  # of all heights, so that summits stand about one relief above the valleys
 FLOOR, SAG, SILL = 0.42, 0.35, 0.03  # of the relief: depth of valley floors, how far they follow, their edge
 FINEST_GULLY, COARSEST_ROCK, FINEST_ROCK = 4, 9, 0
@@ -20,7 +20,7 @@ CRAGS = (
     0.12,
     0.5,
 )  # of the relief above the base: from where on rock stands on gentle ground too, and all over
-GULLIES = Gullies(depth=1.0, gain=0.96, lift=0.6, lift_gain=0.75, soft=0.04, calm=0.08, sharpness=0.88)
+GULLIES = Gullies(depth=1.0, gain=0.96, lift=0.6, lift_gain=0.75, soft=0.035, calm=0.08, sharpness=0.88)
 SHARP = 0.7  # how much of it is folded into crests
 ROCK, TURF = 0.18, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
 
