@@ -16,7 +16,7 @@ LAKE = (16_500.0, -12_250.0)  # 40 m of water over jacksboro's valleys
 
 @pytest.fixture(scope="module")
 def lake(device):
-    return Ground(device, overrides=[f"terrain.water_level={LEVEL}", "terrain.wind=5"])
+    return Ground(device, quality="high", overrides=[f"terrain.water_level={LEVEL}", "terrain.wind=5"])
 
 
 def decoded(ground):
@@ -69,9 +69,10 @@ def test_slopes_and_roughness_together_are_cox_and_munks(lake):
         for i in range(6):  # gusts differ from place to place
             lake.draw(LAKE[0] + 130.0 * i, LAKE[1] - 90.0 * i, above, 60.0 * i, -89.9, 20.0)
             material, roughness, normal = decoded(lake)
-            assert (material == WATER_ID).all()
-            slopes.append(((normal[..., :2] / normal[..., 2:]) ** 2).sum(-1).mean())
-            rough.append((roughness**4).mean())
+            water = material == WATER_ID
+            assert water.mean() > 0.8
+            slopes.append(((normal[water, :2] / normal[water, 2:]) ** 2).sum(-1).mean())
+            rough.append((roughness[water] ** 4).mean())
         resolved.append(np.mean(slopes))
         sums.append(np.mean(slopes) + np.mean(rough))
     assert np.allclose(sums, slope_variance(5.0), rtol=0.2)
