@@ -220,3 +220,17 @@ def test_a_country_keeps_its_colour_over_all_levels(land):
 
 def test_the_palette_s_materials_exist():
     assert len(PALETTE) == 6 and set(PALETTE) <= set(MATERIALS)
+
+
+@pytest.mark.parametrize(
+    ("relief", "feature_size", "base_height"), [(0.0, 100.0, -500.0), (3000.0, 2e5, 8000.0)]
+)
+def test_extreme_worlds_are_land_too(relief, feature_size, base_height):
+    values = VALUES | {"relief": relief, "feature_size": feature_size, "base_height": base_height}
+    extreme = Canyons(SimpleNamespace(**values), SEED)
+    east, north, step = scattered(20_000, seed=4)
+    found = extreme.shape(east, north, step)
+    low, high = extreme.bounds()
+    assert all(np.isfinite(getattr(found, name)).all() for name in vars(found))
+    assert found.height.min() > low and found.height.max() < high
+    assert np.hypot(found.shift_east, found.shift_north).max() < extreme.shift_bound

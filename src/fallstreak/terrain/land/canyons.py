@@ -25,7 +25,7 @@ MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side
 REACH = 58.0  # m, of shifts
 FIN = 36.0  # m, how rounded crests between gorges are
 GLOW = 0.3  # of what hides the sky, as bright as it
-LEAST_RELIEF = 20.0  # m
+LEAST_RELIEF = 120.0  # m, more than layers fold: rivers stay below
 BANK = 4.0  # m, of the gorge's floor above the river
 JOINTS = ((20.0, 6, 47, 0.02), (7.0, 5, 48, 0.02), (2.2, 4, 45, 0.03), (1.2, 3, 46, 0.03))
 """Of cliffs: m, power of the wavelength, number of the noise, how rounded."""
@@ -176,7 +176,8 @@ class Canyons:
             bumps = bumps + 2.0**power * noise(power, 50).value
         height = height + rough * (0.5 + self.roughness) * bumps
 
-        # the river's bed
+        # the river's bed; no slope under a cliff reaches below it
+        height = np.maximum(height, np.minimum(y.value, river.value + BANK))
         room = np.clip(foot - 14.0, 0.0, 80.0)
         winding = room * np.clip(3.0 * waves(e, n, 9, seed + 44).value, -1.0, 1.0)
         channel = np.abs(g.line.value + winding + 12.0 * wave6.value + 8.0 * wave5.value)
