@@ -31,6 +31,7 @@ PERIOD = 64.0
 _SQUARE = 8  # cells along a side of what one workgroup looks at
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _LAST_MIP = 4
+_BEFORE_GROUND = -0.5  # what plants hide of it is then not shaded, and its pixels are the dearer ones
 
 
 def _plants_struct(kinds: int) -> Struct:
@@ -257,7 +258,7 @@ class Vegetation:
                 structs=[self._struct],
                 constants={"FIRST": stand.first[level], **layers},
                 flags={"STONE": stone},
-                order=0.5,
+                order=_BEFORE_GROUND,
                 when=self._is_near,
             )
         if kind.tile is not None:
@@ -332,7 +333,7 @@ class Vegetation:
                 "LAST_MIP": float(_LAST_MIP),
                 **frame,
             },
-            order=0.5,
+            order=_BEFORE_GROUND,
             when=self._is_near,
         )
 
