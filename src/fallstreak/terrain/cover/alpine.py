@@ -10,11 +10,11 @@ from .cover import Covers, Sites
 
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
-GRANITE, LICHEN = np.array([0.190, 0.184, 0.178]), np.array([0.120, 0.118, 0.104])
-SCREE, GRAVEL = np.array([0.235, 0.228, 0.216]), np.array([0.240, 0.228, 0.205])
-TURF, HEATH = np.array([0.088, 0.094, 0.040]), np.array([0.082, 0.068, 0.040])
+GRANITE, LICHEN = np.array([0.165, 0.162, 0.160]), np.array([0.098, 0.098, 0.090])
+SCREE, GRAVEL = np.array([0.250, 0.246, 0.238]), np.array([0.240, 0.228, 0.205])
+TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.082, 0.068, 0.040])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
-TREE_LINE, TURF_LINE = 2050.0, 2750.0
+TREE_LINE, TURF_LINE = 2050.0, 2900.0
 
 
 def cover(site: Sites) -> Covers:
@@ -37,11 +37,19 @@ def cover(site: Sites) -> Covers:
 
     high = (height - TREE_LINE) / 1000.0
     rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
-    value = slope + 0.15 * middle + 0.2 * small + 0.3 * fine + 0.3 * grit + 0.2 * np.maximum(high, 0.0)
-    rock = threshold(value, 0.92, 0.20, rough)
+    value = (
+        slope
+        + 0.15 * middle
+        + 0.2 * small
+        + 0.3 * fine
+        + 0.3 * grit
+        + 0.2 * np.maximum(high, 0.0)
+        - 0.28 * site.hollow
+    )
+    rock = threshold(value, 0.88, 0.20, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
     value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
-    loose = threshold(value, 0.78, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
+    loose = threshold(value, 0.86, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
     rough = 0.16 * (lost_broad + lost_wide + lost_middle + uneven) + 0.09 * lost_small
     value = high + 0.4 * (broad + wide + middle) + 0.3 * small + 0.4 * (slope - 0.4)
     barren = threshold(value, (TURF_LINE - TREE_LINE) / 1000.0, 0.22, rough)
@@ -72,7 +80,7 @@ def cover(site: Sites) -> Covers:
     meadow, turf = grown * (1.0 - alp), grown * alp
     shares = (rock, rubble, turf, meadow, trees, stones)
 
-    tone = (1.0 + 0.3 * small + 0.4 * fine + 0.4 * grit + 0.3 * crack)[..., None]
+    tone = (1.0 + 0.3 * middle + 0.3 * small + 0.4 * fine + 0.4 * grit + 0.3 * crack)[..., None]
     stain = threshold(middle + small + fine, 0.1, 0.2, lost_middle + lost_small + lost_fine) * (
         1.0 - 0.4 * barren
     )

@@ -20,7 +20,7 @@ CRAGS = (
     0.12,
     0.5,
 )  # of the relief above the base: from where on rock stands on gentle ground too, and all over
-GULLIES = Gullies(depth=1.0, gain=0.96, lift=0.6, lift_gain=0.75, soft=0.035, calm=0.08, sharpness=0.88)
+LIFT, SOFT, CALM = 3.7, 0.22, 0.5  # of the gullies, over relief by feature size
 SHARP = 0.7  # how much of it is folded into crests
 ROCK, TURF = 0.18, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
 
@@ -41,7 +41,7 @@ class Alpine:
     def __init__(self, land: Any, seed: int):
         self.base, self.relief, self.roughness = land.base_height, land.relief, land.roughness
         self.water_level, self.seed = land.water_level, seed
-        self.power = large_power(land.feature_size)
+        self.feature, self.power = land.feature_size, large_power(land.feature_size)
         self.outside = self.base - FLOOR * self.relief
 
     def bounds(self) -> tuple[float, float]:
@@ -55,8 +55,10 @@ class Alpine:
         massif = MASSIF[0] * a + MASSIF[1] * b + MASSIF[2] * c
         form = SCALE * self.relief * massif
         land = Relief(form[0], form[1], form[2], np.clip(2.5 * massif[0], -1.0, 1.0), np.zeros(east.shape))
+        bold = float(np.clip(self.relief / self.feature, 0.004, 0.2))
+        gullies = Gullies(1.0, 0.96, LIFT * bold, 0.75, SOFT * bold, CALM * bold, 0.88)
         strength = SCALE * (0.7 + 0.6 * self.roughness)
-        land = carve(land, east, north, self.power - 1, FINEST_GULLY, step, self.seed, GULLIES, strength)
+        land = carve(land, east, north, self.power - 1, FINEST_GULLY, step, self.seed, gullies, strength)
         floor = SAG * form
         floor[0] -= FLOOR * self.relief
         land, bare = fill(land, floor, SILL * self.relief)
