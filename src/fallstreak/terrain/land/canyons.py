@@ -182,8 +182,8 @@ class Canyons:
         winding = room * np.clip(3.0 * waves(e, n, 9, seed + 44).value, -1.0, 1.0)
         channel = np.abs(g.line.value + winding + 12.0 * wave6.value + 8.0 * wave5.value)
         bed = np.maximum(9.0 + 7.0 * place.value + 9.0 * wave7.value, np.maximum(5.0, 0.8 * step))
-        bank = river.value - 2.5 + (BANK + 2.5) * smoothstep(0.6 * bed, 2.2 * bed, channel)
-        bank = bank + 2.0 * np.maximum(channel - 2.2 * bed, 0.0)
+        bank = river.value - 2.5 + (BANK + 2.5) * smoothstep(0.5 * bed, 2.7 * bed, channel)
+        bank = bank + 2.0 * np.maximum(channel - 2.7 * bed, 0.0)
         flows = np.clip(2.0 - step / 24.0, 0.0, 1.0)
         height = height + flows * np.minimum(bank - height, 0.0)
 
