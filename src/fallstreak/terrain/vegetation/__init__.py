@@ -15,8 +15,8 @@ The way of a frame
                           ``plants.<kind>.bake`` makes of the fine mesh in the first frame; stones are 80
                           triangles instead
 
-    Two levels that share a plant share its pixels by an ordered dither that moves with the sampling
-    point, so that anti-aliasing over frames or samples makes a fade of it. At their radius trees leave
+    All are drawn before the ground, whose pixels are the dearer ones, near plants first. Two levels that
+    share a plant share its pixels by a dither that changes with the sampling point, so that anti-aliasing over frames or samples makes a fade of it. At their radius trees leave
     one after the other; from there on the canopy material stands for them (`tree_radius`).
 
 Wind

@@ -381,7 +381,7 @@ class Vegetation:
 
 def _sun_shade(sine: float) -> float:
     """Of the sun's light that crowns take on its way down into a dense wood: the more the lower it stands."""
-    return 0.25 + 0.65 * (1.0 - exp(-0.15 / max(sine, 0.02)))
+    return 0.28 + 0.67 * (1.0 - exp(-0.15 / max(sine, 0.02)))
 
 
 def _count(kind: Kind, level: int) -> int:
