@@ -149,7 +149,7 @@ class Canyons:
         along = y.value - lean.value + thickening(e, n, step, seed)
         layer = terrace(along, 0.02 + 1.1 * wave7.value, self.rim, seed + 40)
         steep = smoothstep(0.9, 1.7, slope)
-        held = np.clip(2.0 - 4.0 * step * slope / layer.thick, 0.0, 1.0)
+        held = np.clip(2.0 - 2.8 * step * slope / layer.thick, 0.0, 1.0)
         height = y.value + steep * held * layer.rise
         # metres out from the wall: the layer, its beds, and joints and clefts that end where the layer does
         moved = e + layer.number * (5 * 4096.0)
