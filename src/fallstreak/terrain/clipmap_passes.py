@@ -66,7 +66,7 @@ class ClipmapPasses:
         self.half = 2.0 ** ceil(log2(model.extent))
         power = max(round(log2(quality.terrain_spacing)), round(log2(2.0 * self.half / grid)) - MAX_DEPTH)
         self.spacing = 2.0**power
-        tiles = _tiles(world, quality, size)
+        tiles = _tiles(model, world, quality, size)
         reach = 16 * tiles - 48  # samples
         # a node's parent begins within its range; the camera is within half a tile of the window's middle
         self.range = (16 * tiles - 16) / grid - 2.5
@@ -191,12 +191,12 @@ class ClipmapPasses:
         return max(len(jobs), 1), 1, 1
 
 
-def _tiles(world: Any, quality: Any, size: tuple[int, int]) -> int:
+def _tiles(model: TerrainModel, world: Any, quality: Any, size: tuple[int, int]) -> int:
     """Width of a window in tiles: so wide that a texel, and an edge of the mesh, is small on the screen."""
     camera = world.camera
     fov = np.radians(min([camera.fov, *(key.fov for key in camera.keyframes if key.fov)]))
     pixel = 2.0 * tan(0.5 * fov) / size[1]
-    grid, edge = quality.terrain_grid, 4.0 * quality.terrain_error_px
+    grid, edge = quality.terrain_grid, 4.0 * quality.terrain_error_px / model.finer
     samples = max(
         1.0 / (quality.terrain_texel_px * pixel) + 48.0,
         max(1.0 / (edge * pixel), MIN_RANGE * grid) + 2.5 * grid + 16.0,

@@ -25,6 +25,9 @@ SHIPPED = ("jacksboro",)
 LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": "Dunes"}
 """Kinds of land made from noise at every sample: module and class in ``land/``."""
 
+FINER = {"canyons": 2.0, "alpine": 1.6}
+"""Land so rugged that its mesh has to be so much finer for the same error on the screen."""
+
 SEED = 101  # added to the world's seed for all noise of the ground
 SINK = (0.86, 0.97)  # of the extent: where the land sinks to the globe (shape_pass.wesl)
 FINEST = 0.25  # m, the step of `height`: finer than the clipmap's finest samples
@@ -42,12 +45,15 @@ class TerrainModel:
     extent : m, half the width of the map
     island : bool
         The sea begins where the elevation file ends.
+    finer : float
+        Edges of its mesh are shorter by this than those of smooth land.
     """
 
     land: LandModel | None
     radius: float
     extent: float
     island: bool = False
+    finer: float = 1.0
 
     def shape(self, east: Any, north: Any, step: Any = FINEST) -> LandShape:
         """The land at places of the map as samples `step` metres apart hold it; arrays broadcast."""
@@ -135,7 +141,7 @@ def _build(key: tuple) -> TerrainModel:
     ground = (seed + SEED) & 0xFFFFFFFF
     if source in LANDS:
         kind = getattr(import_module(f"fallstreak.terrain.land.{source}"), LANDS[source])
-        return TerrainModel(kind(land, ground), radius, extent)
+        return TerrainModel(kind(land, ground), radius, extent, finer=FINER.get(source, 1.0))
     if source == "fractal":
         base, relief = (x / max(exaggeration, 1e-9) for x in (land.base_height, land.relief))
         heights = FractalLand(

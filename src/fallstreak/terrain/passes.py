@@ -55,7 +55,7 @@ class Terrain:
         self.model: TerrainModel = terrain_model(world)
         self._grid = int(quality.terrain_grid)
         # Twice to four times the error is what one edge of the mesh may measure on the screen.
-        self._edge_px = 4.0 * float(quality.terrain_error_px)
+        self._edge_px = 4.0 * float(quality.terrain_error_px) / self.model.finer
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._light = graph.uniforms.get("sky.light")  # without a sky the sun stands overhead
         self._sees_globe = True
