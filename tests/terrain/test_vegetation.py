@@ -17,7 +17,8 @@ from fallstreak.terrain.frame import TERRAIN_FRAME
 from fallstreak.terrain.passes import Terrain
 from fallstreak.terrain.vegetation import Vegetation, cards
 from fallstreak.terrain.vegetation.flora import FLORA, KINDS
-from fallstreak.terrain.vegetation.passes import LEVELS, PERIOD
+from fallstreak.terrain.vegetation.passes import PERIOD
+from fallstreak.terrain.vegetation.stands import LEVELS
 from fallstreak.world.quality import QUALITY
 from fallstreak.world.state import (
     CameraState,

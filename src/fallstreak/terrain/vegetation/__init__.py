@@ -16,8 +16,9 @@ The way of a frame
                           triangles instead
 
     All are drawn before the ground, whose pixels are the dearer ones, near plants first. Two levels that
-    share a plant share its pixels by a dither that changes with the sampling point, so that anti-aliasing over frames or samples makes a fade of it. At their radius trees leave
-    one after the other; from there on the canopy material stands for them (`tree_radius`).
+    share a plant share its pixels by a dither that changes with the sampling point, so that anti-aliasing
+    over frames or samples makes a fade of it. At their radius trees leave one after the other; from there on
+    the canopy material stands for them (`tree_radius`).
 
 Wind
     A stem bends as a rod clamped at its foot, with the square of height and of the wind's speed, swings
@@ -36,6 +37,7 @@ Cost
     mesh.
 """
 
-from .passes import Vegetation, tree_radius
+from .passes import Vegetation
+from .stands import tree_radius
 
 __all__ = ["Vegetation", "tree_radius"]

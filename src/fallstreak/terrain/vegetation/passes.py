@@ -5,22 +5,19 @@ Python's share of a frame is one uniform: cells, instances and draw arguments ar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import ceil, cos, exp, floor, log2, pi, radians, sin, sqrt
+from math import ceil, cos, exp, floor, log2, radians, sin
 from typing import Any
 
 import numpy as np
 
-from ...gpu import FrameGraph, Struct
+from ...gpu import FrameGraph
 from ...gpu.mips import MipMaker
 from ...world.state import FrameState, map_coordinates
 from ..cover import palette as cover_palette
 from ..frame import TERRAIN_FRAME
 from . import cards
-from .flora import FLORA, KINDS, Kind, Species, affinity
-
-LEVELS = 3
-"""Levels of detail: fine mesh, coarse mesh, impostor (of stones: a few triangles)."""
+from .flora import FLORA, affinity
+from .stands import LEVELS, Stand, index_count, plants_struct, stands_of
 
 VIEWS = 8
 """An impostor has VIEWS × VIEWS pictures over the upper half of all directions."""
@@ -32,53 +29,6 @@ _SQUARE = 8  # cells along a side of what one workgroup looks at
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _LAST_MIP = 4
 _BEFORE_GROUND = -0.5  # what plants hide of it is then not shaded, and its pixels are the dearer ones
-
-
-def _plants_struct(kinds: int) -> Struct:
-    return Struct(
-        "Plants",
-        [
-            ("wind", "vec2f", "m/s, whereto it blows"),
-            ("gust_rate", "f32", "gusts per second that pass a place"),
-            ("density", "f32", "of all that grows, 0..1"),
-            ("sun_shade", "f32", "of the sun that a dense wood keeps from its floor"),
-            ("time", "f32", "s, modulo 64"),
-            ("before", "f32", "the same of the frame before"),
-            ("seed", "u32", "of what stands where"),
-            ("windows", f"array<vec4i, {kinds}>", "cell in the middle, squares across, level of cover"),
-            (
-                "grids",
-                f"array<vec4f, {kinds}>",
-                "m from that cell to the camera; m, width of a cell; radius, m",
-            ),
-            ("sizes", f"array<vec4f, {kinds}>", "m, lowest and highest; rarity; how far it leans"),
-            ("levels", f"array<vec4f, {kinds}>", "heights away where the coarser levels start; most m"),
-            ("affinity_a", f"array<vec4f, {kinds}>", "density per share of the palette's materials 0 to 3"),
-            ("affinity_b", f"array<vec4f, {kinds}>", "of 4 and 5, and of growth; steepest slope"),
-            ("tint_a", f"array<vec4f, {kinds}>", "albedo, and how much of it is the ground's"),
-            ("tint_b", f"array<vec4f, {kinds}>", "albedo at the other end"),
-            ("counts", f"array<vec4u, {kinds * LEVELS}>", "indices; first place, room"),
-        ],
-    )
-
-
-def tree_radius(world: Any, quality: Any) -> float:
-    """How far trees stand about the camera, m; 0 where none ever grow."""
-    country = FLORA.get(world.terrain.material, {})
-    trees = any(kind.reach == 1.0 and kind.name in country for kind in KINDS)
-    return float(quality.vegetation_radius) if trees and world.terrain.vegetation > 0.5 else 0.0
-
-
-@dataclass(frozen=True)
-class _Stand:
-    """A kind as a country has it, and the room for its instances."""
-
-    kind: Kind
-    species: Species
-    radius: float
-    farthest: tuple[float, float]  # m, where the coarse mesh and the impostor have taken over at the latest
-    first: tuple[int, int, int]
-    room: tuple[int, int, int]
 
 
 class Vegetation:
@@ -120,11 +70,11 @@ class Vegetation:
     ):
         country = FLORA.get(world.terrain.material, {}) if world.terrain.vegetation > 0.0 else {}
         self._pixels = quality.vegetation_pixels
-        self.stands = _stands(country, float(quality.vegetation_radius))
+        self.stands = stands_of(country, float(quality.vegetation_radius))
         self.capacity = sum(sum(s.room) for s in self.stands)
         if not self.stands:
             return
-        self._struct = _plants_struct(len(self.stands))
+        self._struct = plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
         self._frames, self._near = 0, True
         self._light = graph.uniforms.get("sky.light")
@@ -183,7 +133,7 @@ class Vegetation:
             "tint_a": [(*s.species.tints[0], s.species.of_ground) for s in stands],
             "tint_b": [(*s.species.tints[1], 0.0) for s in stands],
             "counts": [
-                (_count(s.kind, level), s.first[level], s.room[level], 0)
+                (index_count(s.kind, level), s.first[level], s.room[level], 0)
                 for s in stands
                 for level in range(LEVELS)
             ],
@@ -230,7 +180,7 @@ class Vegetation:
             when=self._is_near,
         )
 
-    def _add_draws(self, graph: FrameGraph, index: int, stand: _Stand) -> None:
+    def _add_draws(self, graph: FrameGraph, index: int, stand: Stand) -> None:
         kind = stand.kind
         layers = {"LEAF_LAYER": kind.leaf, "BARK_LAYER": cards.BARK}
         stone = kind.tile is None
@@ -264,7 +214,7 @@ class Vegetation:
         if kind.tile is not None:
             self._add_impostor(graph, index, stand, layers)
 
-    def _add_impostor(self, graph: FrameGraph, index: int, stand: _Stand, layers: dict[str, int]) -> None:
+    def _add_impostor(self, graph: FrameGraph, index: int, stand: Stand, layers: dict[str, int]) -> None:
         kind = stand.kind
         assert kind.tile is not None
         mesh, name = kind.mesh(0), f"plants.{kind.name}"
@@ -382,30 +332,3 @@ class Vegetation:
 def _sun_shade(sine: float) -> float:
     """Of the sun's light that crowns take on its way down into a dense wood: the more the lower it stands."""
     return 0.28 + 0.67 * (1.0 - exp(-0.15 / max(sine, 0.02)))
-
-
-def _count(kind: Kind, level: int) -> int:
-    return 6 if level == 2 and kind.tile else len(kind.mesh(level).indices)
-
-
-def _stands(country: dict[str, Species], radius: float) -> list[_Stand]:
-    """The kinds of a country with room for as many as can ever stand within each level's distance."""
-    stands = []
-    first = 0
-    for kind in KINDS:
-        if kind.name not in country:
-            continue
-        species = country[kind.name]
-        own = radius * kind.reach
-        fine = min(9.0 * species.heights[1], own)
-        coarse = min(30.0 * species.heights[1], own)
-        near, middle, far = (_room(r, kind.cell) for r in (fine, coarse, own))
-        places = (first, first + near, first + near + middle)
-        stands.append(_Stand(kind, species, own, (fine, coarse), places, (near, middle, far)))
-        first += near + middle + far
-    return stands
-
-
-def _room(radius: float, cell: float) -> int:
-    """Cells of which a part may lie within a radius."""
-    return ceil(pi * (radius + cell * sqrt(2.0)) ** 2 / cell**2)
