@@ -169,4 +169,4 @@ def test_land_has_the_same_mean_colour_in_texels_of_all_sizes(kind, material, ch
         ]
     )
     change = np.abs(means / means[0] - 1.0).max(1)
-    assert change[:-1].max() < 0.10 and change[-1] < 0.2, change
+    assert change[:-1].max() < 0.12 and change[-1] < 0.2, change

@@ -242,7 +242,7 @@ def with_paths(file: Any, change: Callable[[str], str]) -> Any:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "canyons": {"material": "canyon", "base_height": 1600.0, "relief": 350.0, "feature_size": 3e3},
-    "alpine": {"material": "alpine", "base_height": 1750.0, "relief": 2600.0, "feature_size": 16e3},
+    "alpine": {"material": "alpine", "base_height": 1900.0, "relief": 2600.0, "feature_size": 16e3},
     "plains": {"material": "temperate", "base_height": 200.0, "relief": 90.0, "feature_size": 5e3},
     "dunes": {"material": "dunes", "base_height": 300.0, "relief": 110.0, "feature_size": 1100.0},
 }

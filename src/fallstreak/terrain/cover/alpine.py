@@ -11,9 +11,10 @@ from .cover import Covers, Sites
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
 GRANITE, LICHEN = np.array([0.165, 0.162, 0.160]), np.array([0.098, 0.098, 0.090])
-SCREE, GRAVEL = np.array([0.250, 0.246, 0.238]), np.array([0.240, 0.228, 0.205])
+SCREE, GRAVEL = np.array([0.270, 0.266, 0.258]), np.array([0.240, 0.228, 0.205])
 TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.082, 0.068, 0.040])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
+BED = 230.0  # m, from one bed of rock to the next
 TREE_LINE, TURF_LINE = 2050.0, 2900.0
 
 
@@ -35,6 +36,10 @@ def cover(site: Sites) -> Covers:
     lost_wide, lost_middle, lost_small, lost_fine = (missing(power, step) for power in (10, 8, 6, 4))
     lost_broad = missing(12, step)
 
+    told = np.clip(2.0 - 2.0 * step * np.minimum(slope, 4.0) / BED, 0.0, 1.0)
+    turns = height / BED + 2.2 * wide + 2.0 * broad + 0.7 * middle
+    beds = told * np.sin(2.0 * np.pi * (turns - np.floor(turns)))
+
     high = (height - TREE_LINE) / 1000.0
     rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
     value = (
@@ -45,8 +50,9 @@ def cover(site: Sites) -> Covers:
         + 0.3 * grit
         + 0.2 * np.maximum(high, 0.0)
         - 0.28 * site.hollow
+        + 0.12 * beds
     )
-    rock = threshold(value, 0.88, 0.20, rough)
+    rock = threshold(value, 0.92, 0.20, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
     value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
     loose = threshold(value, 0.86, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
@@ -84,7 +90,7 @@ def cover(site: Sites) -> Covers:
     stain = threshold(middle + small + fine, 0.1, 0.2, lost_middle + lost_small + lost_fine) * (
         1.0 - 0.4 * barren
     )
-    stone = _mix(GRANITE, LICHEN, 0.7 * stain) * tone
+    stone = _mix(GRANITE, LICHEN, 0.7 * stain) * (tone + (0.13 * beds + 0.4 * wide)[..., None])
     sward = _mix(TURF, HEATH, heath) * (1.0 + 0.3 * (small + fine))[..., None]
     tint = rock[..., None] * stone + rubble[..., None] * (SCREE * tone)
     tint = tint + turf[..., None] * sward + stones[..., None] * GRAVEL

@@ -20,9 +20,9 @@ CRAGS = (
     0.12,
     0.5,
 )  # of the relief above the base: from where on rock stands on gentle ground too, and all over
-LIFT, SOFT, CALM = 3.7, 0.22, 0.5  # of the gullies, over relief by feature size
-SHARP = 0.7  # how much of it is folded into crests
-ROCK, TURF = 0.18, 0.012  # amplitude over wavelength of the noise, on steep ground and on flat
+LIFT, SOFT, CALM = 3.3, 0.22, 0.5  # of the gullies, over relief by feature size
+SHARP, FINER = 0.7, 0.88  # how much of it is folded into crests; roughness of an octave over the last
+ROCK, TURF = 0.3, 0.02  # amplitude over wavelength of the noise, on steep ground and on flat
 
 
 class Alpine:
@@ -56,7 +56,7 @@ class Alpine:
         form = SCALE * self.relief * massif
         land = Relief(form[0], form[1], form[2], np.clip(2.5 * massif[0], -1.0, 1.0), np.zeros(east.shape))
         bold = float(np.clip(self.relief / self.feature, 0.004, 0.2))
-        gullies = Gullies(1.0, 0.96, LIFT * bold, 0.75, SOFT * bold, CALM * bold, 0.88)
+        gullies = Gullies(0.9, 0.98, LIFT * bold, 0.75, SOFT * bold, CALM * bold, 0.88)
         strength = SCALE * (0.7 + 0.6 * self.roughness)
         land = carve(land, east, north, self.power - 1, FINEST_GULLY, step, self.seed, gullies, strength)
         floor = SAG * form
@@ -68,7 +68,7 @@ class Alpine:
         steep = slope2 / (slope2 + 0.5)
         rocky = (0.5 + self.roughness) * bare * (steep + crags * (1.0 - steep))
         rough = (TURF * (0.3 + 0.7 * bare) + ROCK * rocky) * (1.0 - 0.8 * beach)
-        land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough, SHARP)
+        land = roughen(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough, SHARP, FINER)
         zero = np.zeros(east.shape)
         opened = 0.8 + 0.2 * np.clip(0.5 + 0.5 * land.crest, 0.0, 1.0)
         return LandShape(

@@ -167,17 +167,18 @@ def carve(
 
 
 def roughen(
-    relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough, sharp=0.0
+    relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough, sharp=0.0, gain=1.0
 ) -> Relief:
     """Add noise that no water has shaped.
 
     An octave's height is `rough` (number or array) times its wavelength over 1 + the square of the slope that
-    it comes to lie on, so that cliffs do not become needles. `sharp` (0..1) folds the noise into crests.
+    it comes to lie on, so that cliffs do not become needles. `sharp` (0..1) folds the noise into crests;
+    each octave is `gain` times as rough as the last.
     """
     height, se, sn, lost = relief.height, relief.slope_east, relief.slope_north, relief.lost
     for power in range(coarsest, finest - 1, -1):
         weight = octave_weight(power, step)
-        part = rough / (1.0 + se * se + sn * sn)
+        part = rough * gain ** (coarsest - power) / (1.0 + se * se + sn * sn)
         lost = lost + (1.0 - carried(power, step)) * ROUGH_SLOPE**2 * part * part
         if np.any(weight > 0.0):
             value, de, dn = octave(east, north, power, seed + ROUGH_SEED)
