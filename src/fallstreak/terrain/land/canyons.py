@@ -160,7 +160,7 @@ class Canyons:
             for high, power, number, soft in JOINTS
         )
         beds = hardness(along + steep * held * layer.rise, BED, seed + 42) * np.clip(
-            2.0 - 6.4 * step * slope / BED, 0.0, 1.0
+            2.0 - 11.0 * step * slope / BED, 0.0, 1.0
         )
         out = (
             steep
