@@ -12,7 +12,7 @@ PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
 GRANITE, LICHEN = np.array([0.165, 0.162, 0.160]), np.array([0.098, 0.098, 0.090])
 SCREE, GRAVEL = np.array([0.270, 0.266, 0.258]), np.array([0.240, 0.228, 0.205])
-TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.082, 0.068, 0.040])
+TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.078, 0.076, 0.037])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
 BED = 230.0  # m, from one bed of rock to the next
 TREE_LINE, TURF_LINE = 2050.0, 2900.0

@@ -15,7 +15,7 @@ from .shoreline import wash
 MASSIF = (0.5, 0.45, 0.32)  # amplitudes of the large forms over the relief, each half as wide as the last
 SCALE = 0.85  # of all heights, so that summits stand about one relief above the valleys
 FLOOR, SAG, SILL = 0.42, 0.35, 0.03  # of the relief: depth of valley floors, how far they follow, their edge
-FINEST_GULLY, COARSEST_ROCK, FINEST_ROCK = 4, 9, 0
+FINEST_GULLY, COARSEST_ROCK, FINEST_ROCK = 6, 9, 0
 CRAGS = (
     0.12,
     0.5,
