@@ -21,7 +21,7 @@ from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
-MEAN_MAIN, MEAN_SIDE = 0.125, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
+MEAN_MAIN, MEAN_SIDE = 0.097, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
 FIN = 36.0  # m, how rounded crests between gorges are
 GLOW = 0.3  # of what hides the sky, as bright as it
@@ -97,8 +97,8 @@ class Canyons:
         plateau = plateau - 10.0 * wash
 
         # the river's gorge, in places a wide valley with buttes
-        width = 0.48 * relief * (0.95 + 0.6 * place.value)
-        wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.12, 0.4).value
+        width = 0.44 * relief * (0.95 + 0.6 * place.value)
+        wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.19, 0.45).value
         width = width + 1.5 * relief * wide
         wall = g.main + bays
         fade = np.clip(2.0 - 8.0 * step / span, 0.0, 1.0)
