@@ -148,15 +148,18 @@ def popping(report, device):
                 switches += set_now != nodes
             before, nodes = now, set_now
         each = np.concatenate(tiles)
-        still = _sampling(stage, state)
         how = f"200 frames at {speed:g} m/s, {height:g} m high, 160x90 high, nodes change in {switches}; "
         report.add(
             f"terrain: popping, {land}",
             100.0 * float(each.max()),
             "%",
-            how=how
-            + "largest change of an 8x8 tile from frame to frame, reprojected, of the picture's mean; "
-            f"sampling points moved in a still picture: {100.0 * still:.1f}",
+            how=how + "largest change of an 8x8 tile from frame to frame, reprojected, of the picture's mean",
+        )
+        report.add(
+            f"terrain: the same of other sampling points, {land}",
+            100.0 * _sampling(stage, state),
+            "%",
+            how="the last view 40 times, sampling points moved within their pixels: no popping in it",
         )
         report.add(
             f"terrain: popping, {land}, 999 of 1000 tiles",
