@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fallstreak.gpu import FrameGraph, shader
-from fallstreak.terrain.land import character
+from fallstreak.terrain.land import character, erosion
 from fallstreak.terrain.land.alpine import Alpine
 from fallstreak.terrain.land.dunes import Dunes
 from fallstreak.terrain.land.plains import Plains
@@ -170,3 +170,56 @@ def test_land_has_the_same_mean_colour_in_texels_of_all_sizes(kind, material, ch
     )
     change = np.abs(means / means[0] - 1.0).max(1)
     assert change[:-1].max() < 0.12 and change[-1] < 0.2, change
+
+
+def steepness(land, half, count=20_000, step=1.0):
+    """Heights and slopes (rise over run) at random places."""
+    east, north = np.random.default_rng(3).uniform(-half, half, (2, count))
+    rise = land.shape(east + step, north, step).height - land.shape(east - step, north, step).height
+    climb = land.shape(east, north + step, step).height - land.shape(east, north - step, step).height
+    return land.shape(east, north, step).height, np.hypot(rise, climb) / (2.0 * step)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("changes", [{}, {"roughness": 1.0, "water_level": 300.0}])
+def test_heights_keep_within_bounds(kind, changes):
+    land = make(kind, **changes)
+    height, _ = steepness(land, 150e3)
+    low, high = land.bounds()
+    assert low <= height.min() and height.max() <= high
+
+
+def test_mountains_have_summits_at_4000_m_steep_sides_and_flat_valleys():
+    height, slope = steepness(make("alpine"), 60e3)
+    assert 3700.0 < height.max() < 4500.0 and 400.0 < np.quantile(height, 0.02) < 1400.0
+    assert 0.5 < np.median(slope) < 1.0  # 27 to 45 degrees
+    valleys = height < np.quantile(height, 0.05)
+    assert np.median(slope[valleys]) < 0.5 * np.median(slope)
+
+
+def test_gullies_run_down_the_slope_of_mountains():
+    """Cut into a plane they change height across its slope, not along it."""
+    east, north = np.meshgrid(np.arange(0.0, 8e3, 20.0), np.arange(0.0, 8e3, 20.0))
+    zero = np.zeros(east.shape)
+    gullies = erosion.Gullies(1.0, 0.98, 0.5, 0.75, 0.03, 0.08, 0.9)
+    plane = erosion.Relief(0.5 * east, zero + 0.5, zero, zero, zero)
+    cut = erosion.carve(plane, east, north, 10, 10, 20.0, SEED, gullies).height - 0.5 * east
+    north_rise, east_rise = np.gradient(cut, 20.0)
+    assert north_rise.std() > 2.0 * east_rise.std() > 0.0
+
+
+def test_sand_rests_at_34_degrees():
+    _, slope = steepness(make("dunes"), 20e3, step=0.5)
+    assert 0.04 < ((slope > 0.6) & (slope < 0.78)).mean() < 0.3  # slip faces
+    assert (slope > 0.85).mean() < 0.02 and (slope < 0.2).mean() > 0.5
+
+
+def test_plains_are_gentle():
+    _, slope = steepness(make("plains"), 40e3)
+    assert 0.01 < np.median(slope) < 0.1 and np.quantile(slope, 0.99) < 0.25
+
+
+def test_the_water_s_edge_is_a_shelf_and_behind_it_are_cliffs():
+    height, slope = steepness(make("alpine", water_level=1500.0), 60e3, 60_000)
+    edge, cliff = np.abs(height - 1500.0) < 2.0, np.abs(height - 1512.0) < 4.0
+    assert np.median(slope[edge]) < 0.5 * np.median(slope) < np.median(slope[cliff])
