@@ -99,10 +99,46 @@ def test_depth_is_where_the_ground_is(ground, view):
         assert np.median(pixels[inside]) < 1.0
 
 
-@pytest.mark.parametrize("quality", ["low", "high"])
-def test_no_cracks(device, quality):
+CANYONS = ["source=canyons", "material=canyon", "base_height=1600", "relief=350", "feature_size=3e3"]
+
+
+@pytest.fixture(scope="module")
+def canyons(device):
+    return Ground(device, overrides=[f"terrain.{value}" for value in CANYONS])
+
+
+@pytest.mark.parametrize("view", [(2995.0, 522.0, 130.0, 60.0, 0.0), VIEWS["hill"], VIEWS["high"]])
+def test_vertices_of_walls_against_float64(canyons, view):
+    """Where samples are shifted sideways too; noise in single precision may turn a ledge's edge."""
+    state = canyons.draw(*view)
+    frame = canyons.terrain.frame_values(state)
+    nodes, grid = canyons.nodes(), canyons.quality.terrain_grid
+    raw = canyons.read("terrain.heights").view(np.uint32).reshape(-1, (grid + 1) ** 2, 2)
+    held = raw[..., 0].copy().view(np.float32)
+    shifts = raw[..., 1].copy().view(np.int16).reshape(*held.shape, 2) / 32767.0 * 128.0
+    off, moved, most = [], [], 0.0
+    for slot in np.linspace(0, len(nodes) - 1, 12).astype(int):
+        vertices = morphed(frame, nodes[slot], grid)
+        near = np.hypot(*(vertices.offset + frame["camera_map"]).T) < 0.8 * frame["extent"]
+        height, shift = vertex_shape(canyons.terrain.model, canyons.terrain.clip.spacing, vertices)
+        off.append(np.abs(held[slot] - height)[near])
+        moved.append(np.abs(shifts[slot] - shift).max(-1)[near])
+        most = max(most, np.abs(shift).max())
+    assert np.quantile(np.concatenate(off), 0.98) < 0.1
+    assert np.quantile(np.concatenate(moved), 0.98) < 0.1
+    assert most > 5.0 or view[2] > 200.0
+
+
+def test_a_gorge_that_wide_samples_miss_is_drawn(canyons):
+    """From its floor all coarse nodes around lie above the camera: none of them may hide what is in it."""
+    canyons.draw(0.0, 0.0, 1.7, 0.0, -35.0)
+    assert (canyons.read(DEPTH) > 0).all() and len(canyons.nodes()) > 10
+
+
+@pytest.mark.parametrize(("quality", "land"), [("low", []), ("high", []), ("low", CANYONS)])
+def test_no_cracks(device, quality, land):
     """Below the horizon there is ground in every pixel, from the grass to orbit, also where levels meet."""
-    ground = Ground(device, quality=quality)
+    ground = Ground(device, quality=quality, overrides=[f"terrain.{value}" for value in land])
     for name, (east, north, above, _, pitch) in VIEWS.items():
         for heading in (0.0, 73.0, 198.0):
             ground.draw(east, north, above, heading, min(pitch, -35.0) - (20.0 if name == "orbit" else 0.0))

@@ -31,6 +31,7 @@ TERRAIN_FRAME = Struct(
         ("spacing", "f32", "m between texels of level 0 of an elevation model"),
         ("levels", "f32", "number of levels of an elevation model"),
         ("lowest", "f32", "m, lowest ground anywhere"),
+        ("highest", "f32", "m, highest ground or water anywhere"),
         ("globe_height", "f32", "m above sea level of the sphere beyond the terrain"),
         ("map_cosine", "f32", "cosine of the angle of the terrain's round map; 2 where there is none"),
         ("land_near", "f32", "1 where the planet near the anchor must be land, -1 sea"),

@@ -13,6 +13,7 @@ from .clipmap_passes import MIN_RANGE, ClipmapPasses
 from .cover import palette as cover_palette
 from .frame import TERRAIN_FRAME
 from .land.levels import Levels
+from .land.shape import land_values
 from .materials import add_materials, ground_constants
 from .model import SEED, TerrainModel, terrain_model
 from .near import NearGround
@@ -207,12 +208,15 @@ class Terrain:
             "land_near": 0.0,
         }
         if model.land is not None and self.clip is not None:
-            lowest = min(model.land.bounds()[0], model.land.outside)
+            lowest, highest = model.land.bounds()
+            lowest = min(lowest, model.land.outside)
+            highest = max(highest, model.land.outside, land_values(world.terrain)["water_level"])
             leaf = self._grid * self.clip.spacing
             values.update(
                 extent=model.extent,
                 leaf=leaf,
                 lowest=lowest,
+                highest=highest,
                 globe_height=model.land.outside,
                 map_cosine=cos(0.975 * model.extent / world.planet.radius),
                 land_near=-1.0 if model.island else 1.0,

@@ -71,18 +71,21 @@ def select_nodes(
         for x, y in queue:
             if level < frame["clip_levels"]:
                 corner = np.array([x, y]) * size - 0.5 * frame["leaf"] * 2.0 ** frame["depth"]
-                first = first_sample(frame, grid, np.array([x, y]), level)
-                coarser = min(level + 1, frame["clip_levels"] - 1)
-                halve = coarser - level
-                own = bounds(level, first, first + grid)
-                next_ = bounds(coarser, first >> halve, (first + grid) >> halve)
-                heights = np.array([min(own[0], next_[0]), max(own[1], next_[1])])
-                if not _is_visible(frame, corner, size, heights, clip_from_world, camera, radius):
-                    continue
                 offset = corner - frame["camera_map"]
                 d = np.maximum(np.maximum(offset, -(offset + size)), 0.0)
                 nearest = np.sqrt(d @ d + frame["camera_above"] ** 2)
-                if level == 0 or nearest >= 0.5 * frame["range"] * size:
+                drawn = level == 0 or nearest >= 0.5 * frame["range"] * size
+                heights = np.array([frame["lowest"], frame["highest"]])
+                if drawn:
+                    first = first_sample(frame, grid, np.array([x, y]), level)
+                    coarser = min(level + 1, frame["clip_levels"] - 1)
+                    halve = coarser - level
+                    own = bounds(level, first, first + grid)
+                    next_ = bounds(coarser, first >> halve, (first + grid) >> halve)
+                    heights = np.array([min(own[0], next_[0]), max(own[1], next_[1])])
+                if not _is_visible(frame, corner, size, heights, clip_from_world, camera, radius):
+                    continue
+                if drawn:
                     out.append((x, y, depth))
                     continue
             following += [(2 * x + i, 2 * y + j) for j in (0, 1) for i in (0, 1)]
