@@ -20,7 +20,7 @@ from .near import NearGround
 from .vegetation import Vegetation, tree_radius
 from .water import add_water, slope_variance, water_constants
 
-MAX_NODES = 2048
+MAX_NODES = 4096
 RINGS, SECTORS = 48, 128
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
