@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -36,6 +37,13 @@ def device() -> Iterator[Device]:
     except NoAdapterError as error:
         pytest.fail(str(error), pytrace=False)
     yield device
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _memory_back() -> Iterator[None]:
+    """Graphs are cycles that hold textures: without this a test process grows by gigabytes."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ built anew from the world and the last checkpoint, and the frames since are repl
 
 from __future__ import annotations
 
+import gc
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping
@@ -147,8 +148,14 @@ class Renderer:
 
     def close(self) -> None:
         """Give the GPU's memory back; the renderer cannot be used afterwards."""
+        if self._closed:
+            return
         self._closed = True
         self.device.destroy()
+        # The graph and its passes know each other: a software adapter's textures, some hundred MB of this
+        # process, would wait for a collector that hardly ever comes by.
+        del self.graph, self.pipeline
+        gc.collect()
 
     # ---- frames ----------------------------------------------------------------------------------------
 

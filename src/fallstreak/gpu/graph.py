@@ -140,7 +140,7 @@ class FrameGraph(Declarations):
             Without it the depth is only tested, and may be bound as a texture at the same time.
         blend : None, "add", "over" (premultiplied alpha) or "multiply"
         indirect : str, optional
-            Buffer with the draw's arguments, from byte `indirect_offset`; with `index` those of an indexed draw.
+            Buffer with the draw's arguments from byte `indirect_offset` on; with `index` of an indexed draw.
         index, indices
             Index buffer (uint32) and, without `indirect`, number of indices.
         vertex_module : str, optional

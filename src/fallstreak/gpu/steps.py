@@ -138,9 +138,7 @@ class RenderStep(Step):
             calls += 1
         instances: Any = self._instances() if callable(self._instances) else self._instances
         if self._indirect is not None and self._index is not None:
-            lib.wgpuRenderPassEncoderDrawIndexedIndirect(
-                draw, handle(self._indirect), self._indirect_offset
-            )
+            lib.wgpuRenderPassEncoderDrawIndexedIndirect(draw, handle(self._indirect), self._indirect_offset)
         elif self._indirect is not None:
             lib.wgpuRenderPassEncoderDrawIndirect(draw, handle(self._indirect), self._indirect_offset)
         elif self._index is not None:
