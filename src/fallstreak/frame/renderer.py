@@ -171,6 +171,7 @@ class Renderer:
 
     def submit(self, index: int) -> PendingFrame:
         """Start frame `index` and return at once; take the frame by `.result()`."""
+        self._check_open()
         pending = PendingFrame(self, index)
         self._inflight.append(pending)
         try:
@@ -181,16 +182,19 @@ class Renderer:
 
     def stats(self) -> dict[str, Any]:
         """Times per pass of the last frame, bytes of memory, WebGPU calls; waits for the GPU."""
+        self._check_open()
         return {**self.graph.stats(), "size": self.size, "frame_ms": self._frame_ms}
 
     # ---- persistence -----------------------------------------------------------------------------------
 
     def checkpoint(self) -> dict[str, Any]:
         """Everything that the frame after the last one depends on, as numpy arrays."""
+        self._check_open()
         return {"frame": np.int64(self._position or 0), **self.graph.checkpoint()}
 
     def restore(self, checkpoint: Mapping[str, Any]) -> None:
         """Go on as after the frame whose checkpoint this is."""
+        self._check_open()
         self.graph.restore({k: v for k, v in checkpoint.items() if k != "frame"})
         self._position = int(checkpoint["frame"])
         self._settled = True
@@ -315,10 +319,13 @@ class Renderer:
             self._log = [i for i in self._log if i > position]
         self._keeping = (index, {name: reads[name] for name in self.graph.histories})
 
-    def _recover(self, attempts: int = 3) -> None:
-        """Build everything anew on a new device and replay the frames since the last checkpoint."""
+    def _check_open(self) -> None:
         if self._closed:
             raise GpuError("this renderer is closed: make another one")
+
+    def _recover(self, attempts: int = 3) -> None:
+        """Build everything anew on a new device and replay the frames since the last checkpoint."""
+        self._check_open()
         for attempt in range(attempts):
             try:
                 self.device = Device.open(self._adapter)
