@@ -76,7 +76,8 @@ class Vegetation:
             return
         self._struct = plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
-        self._frames, self._near = 0, True
+        self._frames, self._near, self._above = 0, True, 0.0
+        self._reach = [[0.0] * LEVELS for _ in self.stands]
         self._light = graph.uniforms.get("sky.light")
         self._cover_level = cover_level or (lambda radius: 0)
         self._across = [2 * ceil((s.radius + 20.0) / (_SQUARE * s.kind.cell)) + 2 for s in self.stands]
@@ -209,7 +210,7 @@ class Vegetation:
                 constants={"FIRST": stand.first[level], **layers},
                 flags={"STONE": stone},
                 order=_BEFORE_GROUND,
-                when=self._is_near,
+                when=lambda level=level: self._is_near() and self._above < self._reach[index][level],
             )
         if kind.tile is not None:
             self._add_impostor(graph, index, stand, layers)
@@ -308,7 +309,7 @@ class Vegetation:
             return
         self._frames += 1
         # ground elsewhere may be higher than below the camera, but hardly by as much as it is away
-        self._near = above < 2.0 * max(s.radius for s in self.stands)
+        self._above, self._near = above, above < 2.0 * max(s.radius for s in self.stands)
         east, north = map_coordinates(state.camera.position, state.planet_radius)
         pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
         windows, grids, levels = [], [], []
@@ -319,6 +320,16 @@ class Vegetation:
             windows.append((*middle, across, self._cover_level(stand.radius)))
             grids.append((east - middle[0] * cell, north - middle[1] * cell, cell, stand.radius))
             levels.append((*away, *stand.farthest))
+        self._reach = [
+            [
+                *(
+                    2.0 * min(a * s.species.heights[1], most)
+                    for a, most in zip(away, s.farthest, strict=True)
+                ),
+                2.0 * s.radius,
+            ]
+            for s in self.stands
+        ]
         self._plants.set(
             windows=windows,
             grids=grids,
