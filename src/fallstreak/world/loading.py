@@ -76,11 +76,18 @@ def build(layers: list[Layer], folder: Path | None) -> World:
         if missing:
             raise WorldError(f"{where}terrain.file = {shorten(str(missing), 120)}, but there is no such file")
     for index, model in enumerate(world.models):
-        if model.path and not is_file(model.path):
-            where = origin(("models", index, "file"), layers)
-            path = shorten(str(model.path), 120)
-            raise WorldError(f"{where}models[{index}].file = {path}, but there is no such file")
+        if model.path:
+            _exists(model.path, ("models", index, "file"), f"models[{index}].file", layers)
+    for index, layer in enumerate(world.clouds.layers):
+        for key, path in layer.paths:
+            _exists(path, ("clouds", "layers", index, key), f"clouds.layers[{index}].{key}", layers)
     return world
+
+
+def _exists(path: Path, place: tuple[str | int, ...], key: str, layers: list[Layer]) -> None:
+    if not is_file(path):
+        where = origin(place, layers)
+        raise WorldError(f"{where}{key} = {shorten(str(path), 120)}, but there is no such file")
 
 
 def is_file(path: Path) -> bool:

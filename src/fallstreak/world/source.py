@@ -11,7 +11,7 @@ from pathlib import Path
 from .errors import WorldError, shorten
 from .explain import Layer
 from .terrain import with_paths
-from .trees import Tree, models_in, plain
+from .trees import Tree, files_in, plain
 
 MAX_BYTES = 1 << 20
 MAX_LINE = 4000
@@ -84,14 +84,10 @@ def _lower(message: str) -> str:
 
 
 def _confine(tree: Tree, label: str, folder: Path | None) -> None:
-    terrain = tree.get("terrain")
-    if isinstance(terrain, dict) and "file" in terrain:
-        terrain["file"] = with_paths(
-            terrain["file"], lambda name: str(inside(name, folder, label, "terrain.file"))
+    for table, key, called in files_in(tree):
+        table[key] = with_paths(
+            table[key], lambda name, called=called: str(inside(name, folder, label, called))
         )
-    for index, model in enumerate(models_in(tree)):
-        key = f"models[{index}].file"
-        model["file"] = with_paths(model["file"], lambda name, key=key: str(inside(name, folder, label, key)))
 
 
 def inside(name: str, folder: Path | None, label: str, key: str) -> Path:

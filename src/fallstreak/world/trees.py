@@ -78,8 +78,18 @@ def holds(tree: Any, path: tuple[str | int, ...]) -> bool:
     return at(tree, path, _NOTHING) is not _NOTHING
 
 
-def models_in(tree: Tree) -> list[Tree]:
-    """The tables of ``[[models]]``, each with a ``file``; what is none of these is left to the validation."""
-    models = tree.get("models")
-    found = models if isinstance(models, list) else []
-    return [m if isinstance(m, dict) and isinstance(m.get("file"), str) else {"file": ""} for m in found]
+def files_in(tree: Tree) -> list[tuple[Tree, str | int, str]]:
+    """Where the tree names files: (table or list, key, what a message calls it), for each a text or a list.
+
+    What is no table or no name is left to the validation.
+    """
+    found: list[tuple[Tree, str | int, str]] = []
+    terrain = tree.get("terrain")
+    if isinstance(terrain, dict) and "file" in terrain:
+        found.append((terrain, "file", "terrain.file"))
+    for where, key in (("models", "file"), ("clouds.layers", "coverage_map"), ("clouds.layers", "models")):
+        tables = at(tree, tuple(where.split(".")))
+        for index, table in enumerate(tables if isinstance(tables, list) else []):
+            if isinstance(table, dict) and key in table:
+                found.append((table, key, f"{where}[{index}].{key}"))
+    return found

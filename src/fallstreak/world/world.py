@@ -18,6 +18,7 @@ from pydantic import (
 )
 
 from .camera import Camera
+from .clouds import Clouds
 from .errors import WorldError
 from .explain import Layer, explain
 from .fields import Number, Section, Whole, choice, quantity, table
@@ -28,7 +29,7 @@ from .planet import PRESETS, Planet
 from .sky import Sky
 from .terrain import PRESETS as LANDS
 from .terrain import Terrain, with_paths
-from .trees import Tree, assign, merge, models_in, plain
+from .trees import Tree, assign, files_in, merge, plain
 
 
 def _moment(value: Any) -> Any:
@@ -81,6 +82,7 @@ class World(Section):
     planet: Planet = table(Planet, "The body under the scene and its presets.")
     sky: Sky = table(Sky, "Air, sun, moon and stars.")
     terrain: Terrain = table(Terrain, "The ground.")
+    clouds: Clouds = table(Clouds, "Layers of clouds, and how they are drawn.")
     camera: Camera = table(Camera, "Where the picture is taken from.")
     film: Film = table(Film, "Exposure and tone.")
     models: tuple[Model, ...] = choice((), max_length=256, doc="Things: glTF models that stand or move.")
@@ -108,6 +110,7 @@ class World(Section):
         self._given = tree
         self._folder = folder
         self.terrain._world = self
+        self.clouds._world = self
 
     @classmethod
     def from_layers(cls, layers: list[Layer], folder: Path | None) -> Self:
@@ -179,10 +182,8 @@ def _named(presets: Mapping[str, Any], section: Any, key: str) -> Any:
 
 def absolute(tree: Tree) -> None:
     """Resolve a path given in Python or on the command line against the current directory."""
-    terrain = tree.get("terrain")
-    tables = [terrain] if isinstance(terrain, dict) and "file" in terrain else []
-    for named in [*tables, *models_in(tree)]:
-        named["file"] = with_paths(
-            named["file"],
+    for named, key, _ in files_in(tree):
+        named[key] = with_paths(
+            named[key],
             lambda name: name if "\0" in name else os.path.abspath(os.path.expanduser(name)),
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .errors import WorldError, shorten
 from .source import parse_layer, read_text
 from .terrain import PRESETS, is_path, with_paths
-from .trees import assign, plain
+from .trees import assign, files_in, plain
 
 if TYPE_CHECKING:
     from .world import World
@@ -32,23 +32,23 @@ def to_toml(world: World) -> str:
         values["terrain"] = source | values.get("terrain", {})
     if preset != "earth":
         values["planet"] = {"preset": preset} | values.get("planet", {})
-    terrain = values.get("terrain", {})
-    if world.folder and "file" in terrain:
+    if world.folder:
         here = world.folder.resolve()
-        terrain["file"] = with_paths(terrain["file"], lambda name: _relative(name, here))
-    for model, given in zip(world.models, values.get("models", []), strict=False):
-        root = world.folder.resolve() if world.folder else None
-        if root and model.path and model.path.resolve().is_relative_to(root):
-            given["file"] = model.path.resolve().relative_to(root).as_posix()
-    keyframes = values.get("camera", {}).pop("keyframes", None)
+        for table, key, _ in files_in(values):
+            table[key] = with_paths(table[key], lambda name: _relative(name, here))
+    lists = {
+        (section, name): values.get(section, {}).pop(name, None)
+        for section, name in (("camera", "keyframes"), ("clouds", "layers"))
+    }
     for key, value in values.items():
-        document.add(key, value)
-    if keyframes:
-        camera = document.setdefault("camera", tomlkit.table())
-        frames = tomlkit.aot()
-        for frame in keyframes:
-            frames.append(tomlkit.item(frame))
-        camera.add("keyframes", frames)
+        if value or key not in ("camera", "clouds"):
+            document.add(key, value)
+    for (section, name), entries in lists.items():
+        if entries:
+            tables = tomlkit.aot()
+            for entry in entries:
+                tables.append(tomlkit.item(entry))
+            document.setdefault(section, tomlkit.table()).add(name, tables)
     return tomlkit.dumps(document)
 
 
@@ -69,8 +69,8 @@ def _differences(model: Any, default: Any) -> dict[str, Any]:
             continue
         if name == "keyframes":
             found[name] = [frame.model_dump(exclude_none=True) for frame in value]
-        elif name == "models":
-            found[name] = [model.model_dump(exclude_defaults=True) for model in value]
+        elif name in ("models", "layers"):
+            found[name] = [entry.model_dump(exclude_defaults=True) for entry in value]
         elif hasattr(type(value), "model_fields"):
             found[name] = _differences(value, usual)
         elif value is None:
