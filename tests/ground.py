@@ -81,10 +81,10 @@ class Ground:
         return np.stack([raw[:, 0] & 0xFFFF, raw[:, 0] >> 16, raw[:, 1]], 1).astype(int)
 
     def bounds(self):
-        """Of the clipmap's tiles as the GPU found them, (levels, tiles, tiles, 2)."""
+        """Of the clipmap's tiles as the GPU found them, (levels, tiles, tiles, 4)."""
         clip = self.terrain.clip.clip
         held = self.read("terrain.bounds").view(np.float32)
-        return held[: 2 * clip.levels * clip.tiles**2].reshape(clip.levels, clip.tiles, clip.tiles, 2)
+        return held[: 4 * clip.levels * clip.tiles**2].reshape(clip.levels, clip.tiles, clip.tiles, 4)
 
     def bounds_between(self):
         return bounds_of(self.bounds())

@@ -141,8 +141,8 @@ def test_bounds_are_those_of_the_samples(ground, view):
     assert len(tiles) > 200
     for level, column, row in tiles:
         heights = np.ascontiguousarray(ground.tile(shape, level, column, row)[..., 0]).view(np.float32)
-        low, high = bounds[level, row % bounds.shape[1], column % bounds.shape[2]]
-        assert low == heights.min() and high == heights.max()
+        low, high, *moved = bounds[level, row % bounds.shape[1], column % bounds.shape[2]]
+        assert low == heights.min() and high == heights.max() and moved == [0.0, 0.0]
 
 
 def test_levels_hold_the_land_as_their_samples_carry_it(ground):

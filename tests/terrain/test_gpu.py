@@ -129,6 +129,20 @@ def test_vertices_of_walls_against_float64(canyons, view):
     assert most > 5.0 or view[2] > 200.0
 
 
+def test_bounds_hold_what_is_shifted(canyons):
+    """A tile's box reaches as far as its walls lean, and no farther."""
+    canyons.draw(2995.0, 522.0, 130.0, 60.0, 0.0)
+    shifts, bounds = canyons.read("terrain.shift"), canyons.bounds()
+    leaning = 0
+    for level, column, row in canyons.tiles_in_use("shape"):
+        held = np.ascontiguousarray(canyons.tile(shifts, level, column, row)).view(np.int16)
+        most = np.abs(held.reshape(-1, 2) / 32767.0 * 128.0).max(0)
+        bound = bounds[level, row % bounds.shape[1], column % bounds.shape[2], 2:]
+        assert np.abs(most - bound).max() < 0.003
+        leaning += most.max() > 5.0
+    assert leaning > 50
+
+
 def test_a_gorge_that_wide_samples_miss_is_drawn(canyons):
     """From its floor all coarse nodes around lie above the camera: none of them may hide what is in it."""
     canyons.draw(0.0, 0.0, 1.7, 0.0, -35.0)

@@ -112,7 +112,7 @@ class ClipmapPasses:
         ):
             where = (4, 4, 1) if name == "shift" and not self.flags["SHIFT"] else layers
             graph.texture(f"terrain.{name}", format, where, dimension="2d-array", persistent=True)
-        graph.buffer("terrain.bounds", 8 * self.levels * self.clip.tiles**2, persistent=True)
+        graph.buffer("terrain.bounds", 16 * self.levels * self.clip.tiles**2, persistent=True)
         graph.texture("terrain.shore", "rgba8unorm", (SHORE, SHORE), persistent=True)
         graph.compute(
             "terrain.shore",

@@ -14,7 +14,7 @@ from .projection import map_from_world, world_from_map
 
 MORPH_START = 0.83
 Bounds = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
-"""Lowest and highest height over the tiles of a level that hold samples first .. last."""
+"""Lowest, highest, largest shifts east and north over the tiles of a level that hold samples first .. last."""
 
 
 def bounds_of(held: np.ndarray) -> Bounds:
@@ -22,14 +22,14 @@ def bounds_of(held: np.ndarray) -> Bounds:
 
     Parameters
     ----------
-    held : (levels, tiles, tiles, 2), the buffer ``terrain.bounds``
+    held : (levels, tiles, tiles, 4), the buffer ``terrain.bounds``
     """
     tiles = held.shape[1]
 
     def find(level: int, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         column, row = (np.arange(first[i] // TILE, last[i] // TILE + 1) % tiles for i in (0, 1))
         found = held[level][np.ix_(row, column)]
-        return np.array([found[..., 0].min(), found[..., 1].max()], float)
+        return np.array([found[..., 0].min(), *found[..., 1:].reshape(-1, 3).max(0)], float)
 
     return find
 
@@ -51,7 +51,7 @@ def select_nodes(
 
     Parameters
     ----------
-    bounds : of the heights in the clipmap's tiles
+    bounds : of the heights and shifts in the clipmap's tiles
     frame : dict
         Of `Terrain.frame_values`.
     grid : quads along a node's side
@@ -75,15 +75,15 @@ def select_nodes(
                 d = np.maximum(np.maximum(offset, -(offset + size)), 0.0)
                 nearest = np.sqrt(d @ d + frame["camera_above"] ** 2)
                 drawn = level == 0 or nearest >= 0.5 * frame["range"] * size
-                heights = np.array([frame["lowest"], frame["highest"]])
+                held = np.array([frame["lowest"], frame["highest"], *2 * (frame["shift_bound"],)])
                 if drawn:
                     first = first_sample(frame, grid, np.array([x, y]), level)
                     coarser = min(level + 1, frame["clip_levels"] - 1)
                     halve = coarser - level
                     own = bounds(level, first, first + grid)
                     next_ = bounds(coarser, first >> halve, (first + grid) >> halve)
-                    heights = np.array([min(own[0], next_[0]), max(own[1], next_[1])])
-                if not _is_visible(frame, corner, size, heights, clip_from_world, camera, radius):
+                    held = np.array([min(own[0], next_[0]), *np.maximum(own[1:], next_[1:])])
+                if not _is_visible(frame, corner, size, held, clip_from_world, camera, radius):
                     continue
                 if drawn:
                     out.append((x, y, depth))
@@ -93,13 +93,13 @@ def select_nodes(
     return np.array(out, int).reshape(-1, 3)
 
 
-def _is_visible(frame, corner, size, heights, clip_from_world, camera, radius) -> bool:
+def _is_visible(frame, corner, size, held, clip_from_world, camera, radius) -> bool:
     d = np.maximum(np.maximum(corner, -(corner + size)), 0.0)
     if d @ d > frame["extent"] ** 2:
         return False
     places = corner + size * np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0.5, 0.5]])
-    points = world_from_map(places[:, :1], places[:, 1:], heights[None, :], radius).reshape(-1, 3) - camera
-    slack = size * size / (4.0 * radius) + frame["shift_bound"]
+    points = world_from_map(places[:, :1], places[:, 1:], held[None, :2], radius).reshape(-1, 3) - camera
+    slack = size * size / (4.0 * radius) + np.array([held[2], held[3], 0.16 * max(held[2], held[3])])
     low, high = points.min(0) - slack, points.max(0) + slack
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
     m = clip_from_world
@@ -108,7 +108,7 @@ def _is_visible(frame, corner, size, heights, clip_from_world, camera, radius) -
             return False
     base = radius + frame["lowest"]
     eye = max(float(map_from_world(camera, radius)[2]) - frame["lowest"], 0.0)
-    top = max(heights[1] - frame["lowest"], 0.0)
+    top = max(held[1] - frame["lowest"], 0.0)
     away = np.maximum(np.maximum(low, -high), 0.0)
     return bool(np.linalg.norm(away) <= np.sqrt(eye * (2 * base + eye)) + np.sqrt(top * (2 * base + top)))
 
