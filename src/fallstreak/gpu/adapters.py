@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 from .errors import NoAdapterError
+from .native import know_types
 
 LIMITS: dict[str, int] = {
     "max-texture-dimension-1d": 8192,
@@ -110,6 +111,7 @@ def adapters() -> tuple[AdapterInfo, ...]:
     from wgpu.backends.wgpu_native.extras import set_instance_extras
 
     assert native
+    know_types()
     # A lost device is told by `DeviceLostError`; wgpu's own shout about it would only frighten.
     logging.getLogger("wgpu").addFilter(lambda record: "lost" not in record.getMessage().lower())
     # OpenGL adapters do not reach WebGPU's limits, and looking for them takes most of the start-up time.

@@ -16,10 +16,11 @@ from . import resources as res
 from .compiled import Compiled
 from .declarations import Declarations
 from .device import Device
-from .errors import GraphError, translated
+from .errors import GraphError
+from .pipelines import ComputeSpec, RenderSpec
 from .readback import Pending
 from .schedule import PassDecl, Ref, Schedule, schedule
-from .steps import ComputeStep, Context, CustomStep, RenderSpec, RenderStep, Step
+from .steps import ComputeStep, Context, CustomStep, RenderStep, Step
 from .struct import Struct
 
 Groups = tuple[int, int, int] | Callable[[], tuple[int, int, int]] | str
@@ -87,11 +88,10 @@ class FrameGraph(Declarations):
         if isinstance(groups, str):
             reads.append(Ref.parse(groups))
 
+        spec = ComputeSpec(name, native, entry)
+
         def build(made: Compiled) -> Step:
-            with translated(f"making the pipeline of {name}"):
-                pipeline = self.device.native.create_compute_pipeline(
-                    label=name, layout="auto", compute={"module": native, "entry_point": entry}
-                )
+            pipeline = made.pipelines.of(spec)
             indirect = None
             fixed = groups
             if isinstance(groups, str):
@@ -100,7 +100,7 @@ class FrameGraph(Declarations):
                 name, pipeline, made.bind_groups(name, pipeline, linked.bindings, bind), fixed, indirect
             )
 
-        self._add(PassDecl(name, reads, writes, build, order, when))
+        self._add(PassDecl(name, reads, writes, build, order, when, spec))
 
     def render(
         self,
@@ -164,23 +164,23 @@ class FrameGraph(Declarations):
             if extra:
                 reads.append(Ref.parse(extra))
 
+        spec = RenderSpec(
+            name=name,
+            native=native,
+            vertex_native=vertex_native,
+            vertex=vertex,
+            fragment=fragment,
+            color_formats=tuple(self.textures[r.name].format for r in color_refs),
+            depth_format=self.textures[depth_ref.name].format if depth_ref else None,
+            depth_compare=depth_compare,
+            depth_write=depth_write,
+            blend=blend,
+            topology=topology,
+            cull=cull,
+        )
+
         def build(made: Compiled) -> Step:
-            spec = RenderSpec(
-                name=name,
-                native=native,
-                vertex_native=vertex_native,
-                vertex=vertex,
-                fragment=fragment,
-                color_formats=[self.textures[r.name].format for r in color_refs],
-                depth_format=self.textures[depth_ref.name].format if depth_ref else None,
-                depth_compare=depth_compare,
-                depth_write=depth_write,
-                blend=blend,
-                topology=topology,
-                cull=cull,
-            )
-            with translated(f"making the pipeline of {name}"):
-                pipeline = spec.pipeline(self.device.native)
+            pipeline = made.pipelines.of(spec)
             return RenderStep(
                 name,
                 pipeline,
@@ -196,7 +196,7 @@ class FrameGraph(Declarations):
                 indirect_offset,
             )
 
-        self._add(PassDecl(name, reads, writes, build, order, when))
+        self._add(PassDecl(name, reads, writes, build, order, when, spec))
 
     def fullscreen(self, name: str, shader: str, *, color: Sequence[str], **options: Any) -> None:
         """Add a pass that draws one triangle over the picture at depth 0; options as for `render`."""

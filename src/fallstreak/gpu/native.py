@@ -24,6 +24,28 @@ def bindings() -> SimpleNamespace:
     return SimpleNamespace(ffi=ffi, lib=lib)
 
 
+def know_types() -> None:
+    """Let cffi know every type of webgpu.h at once, before wgpu-py asks for them one by one.
+
+    cffi reads all 400 typedefs of the header anew for each type that it is asked for by name, and wgpu-py
+    asks for some sixty before the first picture: two seconds. A struct with a member of every type is read
+    once, and its members are put where cffi keeps what it has read. Without such a place nothing is lost.
+    """
+    ffi = bindings().ffi
+    known = getattr(ffi, "_parsed_types", None)
+    make_array = getattr(getattr(ffi, "_backend", None), "new_array_type", None)
+    if not isinstance(known, dict) or make_array is None:
+        return
+    names = [n for n in ffi.list_types()[0] if not n.startswith("WGPUProc") and not n.endswith("Callback")]
+    names += ["char", "uint8_t", "uint32_t", "int32_t", "float", "uintptr_t", "intptr_t"]
+    every = ffi.typeof("struct {" + "".join(f"{n} *m{i};" for i, n in enumerate(names)) + "}")
+    for name, (_, member) in zip(names, every.fields, strict=True):
+        pointer, array = (member.type, False), (make_array(member.type, None), False)
+        known.setdefault(name, (member.type.item, False))
+        for text, kind in (("*", pointer), (" *", pointer), (" * ", pointer), ("[]", array), (" []", array)):
+            known.setdefault(name + text, kind)
+
+
 def handle(wrapped: Any) -> Any:
     """The C handle behind an object of wgpu-py."""
     return wrapped._internal

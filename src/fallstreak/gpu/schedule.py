@@ -52,6 +52,8 @@ class PassDecl:
     build: Callable[[Any], Any]
     order: float = 0.0
     when: Callable[[], bool] | None = None
+    pipeline: Any = None
+    """What its pipeline is made from, if it has one."""
     index: int = 0
 
 

@@ -3,28 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from .native import RenderDescriptor, bindings, compute_descriptor, handle
 
 if TYPE_CHECKING:
     from .compiled import Compiled
-
-_BLENDS: dict[str, dict[str, dict[str, str]]] = {
-    "add": {
-        "color": {"src_factor": "one", "dst_factor": "one", "operation": "add"},
-        "alpha": {"src_factor": "one", "dst_factor": "one", "operation": "add"},
-    },
-    "over": {
-        "color": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
-        "alpha": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
-    },
-    "multiply": {
-        "color": {"src_factor": "dst", "dst_factor": "zero", "operation": "add"},
-        "alpha": {"src_factor": "dst-alpha", "dst_factor": "zero", "operation": "add"},
-    },
-}
 
 
 class Step:
@@ -178,50 +162,3 @@ class CustomStep(Step):
         context.encoder = encoder
         self._record(context)
         return 1
-
-
-@dataclass
-class RenderSpec:
-    """Everything a render pipeline is made from."""
-
-    name: str
-    native: Any
-    vertex_native: Any
-    vertex: str
-    fragment: str | None
-    color_formats: list[str]
-    depth_format: str | None
-    depth_compare: str
-    depth_write: bool
-    blend: str | None
-    topology: str
-    cull: str
-
-    def pipeline(self, device: Any) -> Any:
-        """Make it."""
-        targets = []
-        for fmt in self.color_formats:
-            target: dict[str, Any] = {"format": fmt}
-            if self.blend is not None:
-                if self.blend not in _BLENDS:
-                    raise ValueError(
-                        f"pass {self.name}: blend {self.blend!r} is unknown; use {', '.join(_BLENDS)}"
-                    )
-                target["blend"] = _BLENDS[self.blend]
-            targets.append(target)
-        options: dict[str, Any] = {}
-        if self.fragment:
-            options["fragment"] = {"module": self.native, "entry_point": self.fragment, "targets": targets}
-        if self.depth_format:
-            options["depth_stencil"] = {
-                "format": self.depth_format,
-                "depth_write_enabled": self.depth_write,
-                "depth_compare": self.depth_compare,
-            }
-        return device.create_render_pipeline(
-            label=self.name,
-            layout="auto",
-            vertex={"module": self.vertex_native, "entry_point": self.vertex, "buffers": []},
-            primitive={"topology": self.topology, "cull_mode": self.cull},
-            **options,
-        )

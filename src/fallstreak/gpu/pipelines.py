@@ -1,0 +1,125 @@
+"""Pipelines, made side by side: a driver compiles each on one core, and lets several threads in.
+
+Passes that differ only in what they bind share one pipeline, whose shader the driver then compiles once.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+from .errors import translated
+
+_THREADS = min(os.cpu_count() or 1, 8)
+
+_BLENDS: dict[str, dict[str, dict[str, str]]] = {
+    "add": {
+        "color": {"src_factor": "one", "dst_factor": "one", "operation": "add"},
+        "alpha": {"src_factor": "one", "dst_factor": "one", "operation": "add"},
+    },
+    "over": {
+        "color": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
+        "alpha": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
+    },
+    "multiply": {
+        "color": {"src_factor": "dst", "dst_factor": "zero", "operation": "add"},
+        "alpha": {"src_factor": "dst-alpha", "dst_factor": "zero", "operation": "add"},
+    },
+}
+
+
+@dataclass(frozen=True)
+class ComputeSpec:
+    """Everything a compute pipeline is made from."""
+
+    name: str = field(compare=False)
+    native: Any
+    entry: str
+
+    def pipeline(self, device: Any) -> Any:
+        """Make it."""
+        compute = {"module": self.native, "entry_point": self.entry}
+        return device.create_compute_pipeline(label=self.name, layout="auto", compute=compute)
+
+
+@dataclass(frozen=True)
+class RenderSpec:
+    """Everything a render pipeline is made from."""
+
+    name: str = field(compare=False)
+    native: Any
+    vertex_native: Any
+    vertex: str
+    fragment: str | None
+    color_formats: tuple[str, ...]
+    depth_format: str | None
+    depth_compare: str
+    depth_write: bool
+    blend: str | None
+    topology: str
+    cull: str
+
+    def pipeline(self, device: Any) -> Any:
+        """Make it."""
+        targets = []
+        for fmt in self.color_formats:
+            target: dict[str, Any] = {"format": fmt}
+            if self.blend is not None:
+                if self.blend not in _BLENDS:
+                    raise ValueError(
+                        f"pass {self.name}: blend {self.blend!r} is unknown; use {', '.join(_BLENDS)}"
+                    )
+                target["blend"] = _BLENDS[self.blend]
+            targets.append(target)
+        options: dict[str, Any] = {}
+        if self.fragment:
+            options["fragment"] = {"module": self.native, "entry_point": self.fragment, "targets": targets}
+        if self.depth_format:
+            options["depth_stencil"] = {
+                "format": self.depth_format,
+                "depth_write_enabled": self.depth_write,
+                "depth_compare": self.depth_compare,
+            }
+        return device.create_render_pipeline(
+            label=self.name,
+            layout="auto",
+            vertex={"module": self.vertex_native, "entry_point": self.vertex, "buffers": []},
+            primitive={"topology": self.topology, "cull_mode": self.cull},
+            **options,
+        )
+
+
+Spec = ComputeSpec | RenderSpec
+
+
+class Pipelines:
+    """The pipelines of a graph, under way from here on.
+
+    Parameters
+    ----------
+    device : wgpu device
+    specs : iterable of specs
+        Equal ones are made once.
+    """
+
+    def __init__(self, device: Any, specs: Iterable[Spec]):
+        self._pool = ThreadPoolExecutor(_THREADS, "pipelines")
+        self._made: dict[Spec, Future[Any]] = {}
+        for spec in specs:
+            if spec not in self._made:
+                self._made[spec] = self._pool.submit(spec.pipeline, device)
+        self._pool.shutdown(wait=False)
+
+    def of(self, spec: Spec) -> Any:
+        """Wait for one.
+
+        Raises
+        ------
+        GpuError
+            When the driver refuses it.
+        """
+        with translated(f"making the pipeline of {spec.name}"):
+            return self._made[spec].result()
