@@ -1,6 +1,6 @@
 """One frame from end to end: which passes there are, between which resources.
 
-    G-buffer (terrain, models) → lighting → sky, moon, stars → temporal or accumulated anti-aliasing
+    G-buffer (terrain, models) → lighting → sky, moon, stars → clouds → temporal or accumulated anti-aliasing
     → exposure meter → bloom → tone map
 
 The systems and the parts of the frame add their own passes; the graph finds the order. This file only says
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from fallstreak.clouds.passes import Clouds
 from fallstreak.gpu import EXPOSURE, FrameGraph
 from fallstreak.models.passes import Models
 from fallstreak.sky.passes import Sky
@@ -75,6 +76,7 @@ class Pipeline:
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
+        self.clouds = Clouds(graph, world, quality, size)
         add_lighting(graph, world, quality, size)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)
@@ -104,6 +106,7 @@ class Pipeline:
         self.sky.update(state)
         self.terrain.update(state)
         self.models.update(state)
+        self.clouds.update(state)
         self.exposure.update(delta, instant=instant)
         if isinstance(self._resolve, Temporal):
             self._resolve.update(reset=self._fresh)

@@ -28,6 +28,9 @@ class Quality:
     # vegetation
     vegetation_radius: float = 1200.0  # m, how far trees stand; shrubs and stones a third of it
     vegetation_pixels: tuple[float, float] = (320.0, 100.0)  # lower ones are coarse meshes, impostors
+    # clouds
+    cloud_scale: int = 1  # pixels of the picture to one of the clouds, along a side
+    cloud_cells: int = 128  # along a side of each layer's window: a cell may hold one cloud
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -54,6 +57,8 @@ QUALITY: dict[str, Quality] = {
         terrain_planet_octaves=5,
         vegetation_radius=300.0,
         vegetation_pixels=(700.0, 220.0),
+        cloud_scale=2,
+        cloud_cells=96,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
