@@ -12,6 +12,8 @@ itself joins as one more piece with weight 1 inside.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from ..noise.patterns import value as noise_at
@@ -19,6 +21,7 @@ from ..noise.scatter import hash_lattice
 from .elevation import ElevationGrid, bilinear
 from .elevation.coverage import room_around_holes
 from .elevation.mips import Mips
+from .elevation.raster import THREADS
 from .spline import blur, coefficients, evaluate
 
 _SHARPNESS = 3.0  # exponent of the triangle weights: 1 mixes everywhere, ∞ cuts
@@ -27,6 +30,7 @@ _REGION = 45e3  # m, size of the invented ranges and lowlands
 _TURN = np.radians(35.0)  # pieces turn by at most this: ranges keep the grain of the land
 _MEMORY = 30e3  # m, how far the model's edge still rules what lies beyond
 _ENOUGH = 400_000  # samples, to know their distribution
+_MANY = 500_000  # samples that threads share
 _REGIONS = 512  # samples across the picture of regions, at most
 _JOIN = 0.08  # of the model's width: how far in from its edge it is itself alone
 
@@ -153,7 +157,7 @@ class FileLand:
         probability = (np.arange(1024) + 0.5) / 1024
         known = self.grid.overview.known
         some = heights if known is None else heights[known]
-        self._quantiles = np.quantile(some.ravel()[:: 1 + some.size // _ENOUGH], probability)
+        self._quantiles = np.quantile(np.sort(some.ravel()[:: 1 + some.size // _ENOUGH]), probability)
         # strictly increasing, so that a plain (all one height) can be mapped there and back
         self._quantiles += np.arange(1024) * 1e-6
         x = np.linspace(-6.0, 6.0, 24001)
@@ -174,7 +178,13 @@ class FileLand:
         self._pieces: dict[tuple[int, int], tuple[float, float, float, float]] = {}
 
     def _normal(self, heights):
-        return np.interp(heights, self._quantiles, self._scores)
+        if heights.size < _MANY:
+            return np.interp(heights, self._quantiles, self._scores)
+        with ThreadPoolExecutor(THREADS) as pool:
+            parts = np.array_split(heights, 2 * THREADS)
+            return np.concatenate(
+                list(pool.map(lambda x: np.interp(x, self._quantiles, self._scores), parts))
+            )
 
     def _invent(self, east, north, level):
         """Sum of the three pieces in the normal domain, and the sum of the squared weights."""

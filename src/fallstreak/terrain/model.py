@@ -20,6 +20,7 @@ from .fractal import FractalLand
 from .land.levels import Levels
 from .land.shape import LandModel, LandShape, land_values
 from .pyramid import build
+from .quick import quicken
 
 SHIPPED = ("jacksboro",)
 LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": "Dunes"}
@@ -28,6 +29,7 @@ LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": 
 FINER = {"canyons": 2.0, "alpine": 1.6}
 """Land so rugged that its mesh has to be so much finer for the same error on the screen."""
 
+LARGE = 8 << 20  # bytes of elevation files: above, compiled loops save more than loading them takes
 SEED = 101  # added to the world's seed for all noise of the ground
 SINK = (0.86, 0.97)  # of the extent: where the land sinks to the globe (shape_pass.wesl)
 FINEST = 0.25  # m, the step of `height`: finer than the clipmap's finest samples
@@ -156,6 +158,8 @@ def _build(key: tuple) -> TerrainModel:
             dry=material == "mars",
         )
     else:
+        if sum(path.stat().st_size for path in paths if path.is_file()) > LARGE:
+            quicken()
         grid = read_elevation(paths)
         _check_near(grid, place, radius, extent)
         heights = FileLand(grid, place, radius, surroundings, seed, exaggeration)

@@ -15,7 +15,8 @@ from typing import Protocol
 import numpy as np
 
 from .elevation import bilinear
-from .spline import blur, coefficients
+from .quick import loops
+from .spline import blur, coefficients, halved
 
 SIZE = 768
 _THREADS = min(os.cpu_count() or 1, 8)
@@ -96,9 +97,13 @@ def build(land: Land, extent: float, levels: int | None = None) -> Pyramid:
         spacing = coarsest / 2 ** (levels - 1 - level)
         heights.append(_sample_level(land, spacing, heights[-1] if heights else None))
     with ThreadPoolExecutor(_THREADS) as pool:
-        splines = np.stack(list(pool.map(coefficients, heights)))
+        splines = list(pool.map(coefficients, heights))
+    del heights
     spacing0 = coarsest / 2 ** (levels - 1)
-    return Pyramid(extent, spacing0, splines.astype(np.float32), _lost(splines, spacing0), land.outside)
+    lost = _lost(splines, spacing0)
+    return Pyramid(
+        extent, spacing0, np.stack(splines, dtype=np.float32, casting="same_kind"), lost, land.outside
+    )
 
 
 def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.ndarray:
@@ -109,7 +114,7 @@ def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.nd
     else:
         # The middle is the mean of the finer level; only the ring around it is new.
         a, b = SIZE // 4, 3 * SIZE // 4
-        out[a:b, a:b] = finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3))
+        out[a:b, a:b] = halved(finer)
         parts = [(0, a, 0, SIZE), (b, SIZE, 0, SIZE), (a, b, 0, a), (a, b, b, SIZE)]
 
     def fill(strip: tuple[int, int, int, int]) -> None:
@@ -123,32 +128,39 @@ def _sample_level(land: Land, spacing: float, finer: np.ndarray | None) -> np.nd
     return out
 
 
-def _lost(splines: np.ndarray, spacing0: float) -> np.ndarray:
+def _lost(splines: list[np.ndarray], spacing0: float) -> np.ndarray:
     """What the slopes of finer levels have more than those of a level, where finer ones exist; elsewhere as
     much of the slopes about as there."""
-    out = np.zeros(splines.shape)
-    a, b = SIZE // 4, 3 * SIZE // 4
+    out = np.zeros((len(splines), SIZE, SIZE), np.float32)
+    middle = (slice(SIZE // 4, 3 * SIZE // 4),) * 2
 
     def slopes(k: int) -> tuple[np.ndarray, np.ndarray]:
         square = _slope_square(splines[k], spacing0 * 2**k)
         return square, blur(square, 4.0) if k else square
 
     with ThreadPoolExecutor(_THREADS) as pool:
-        levels = list(pool.map(slopes, range(len(splines))))
-    finer = None
-    for k, (square, about) in enumerate(levels):
-        if finer is not None:
-            left = np.maximum(finer.reshape(SIZE // 2, 2, SIZE // 2, 2).mean((1, 3)) - square[a:b, a:b], 0.0)
-            share = left.mean() / max(about[a:b, a:b].mean(), 1e-9)
-            out[k] = share * about
-            out[k, a:b, a:b] = left
-        finer = square + out[k]
-    return np.sqrt(out).astype(np.float32)
+        finer = None
+        for lost, (square, about) in zip(out, pool.map(slopes, range(len(splines))), strict=True):
+            if finer is not None:
+                left = halved(finer)
+                left -= square[middle]
+                np.maximum(left, 0.0, out=left)
+                about *= left.mean() / max(about[middle].mean(), 1e-9)
+                about[middle] = left
+                square += about
+                np.sqrt(about, out=lost)
+            finer = square
+    return out
 
 
 def _slope_square(spline: np.ndarray, spacing: float) -> np.ndarray:
-    padded = np.pad(spline, 1, mode="edge")
     # the spline's own derivative at the texel centres
+    quick = loops()
+    if quick is not None:
+        out = np.empty_like(spline)
+        quick.slope_square(spline, spacing, out)
+        return out
+    padded = np.pad(spline, 1, mode="edge")
     across = (padded[:, 2:] - padded[:, :-2]) / (2.0 * spacing)
     up = (padded[2:, :] - padded[:-2, :]) / (2.0 * spacing)
     slope_east = (across[:-2] + 4.0 * across[1:-1] + across[2:]) / 6.0

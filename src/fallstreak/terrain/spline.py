@@ -12,26 +12,41 @@ from typing import Any
 
 import numpy as np
 
+from .quick import loops
+
 _POLE = np.sqrt(3.0) - 2.0
 
 
 def coefficients(samples: np.ndarray) -> np.ndarray:
     """Samples (rows, columns) → coefficients of the cubic B-spline through them (mirrored edges), float64."""
-    return _filter(_filter(np.asarray(samples, np.float64)).T).T
+    quick = loops()
+    if quick is None:
+        return _filter(_filter(np.asarray(samples, np.float64)).T).T
+    out = np.multiply(samples, 6.0, dtype=np.float64, order="C")
+    out[0] = _start(out)
+    quick.filter_down(out, _POLE)
+    out *= 6.0
+    out[:, 0] = _start(out.T)
+    quick.filter_across(out, _POLE)
+    return out
 
 
 def _filter(values: np.ndarray) -> np.ndarray:
     # Along the first axis: causal, then anticausal; each step is one vector operation over the other axis.
     out = values * 6.0
-    count = len(out)
-    powers = _POLE ** np.arange(min(count, 30))
-    out[0] = np.tensordot(powers, out[: len(powers)], 1)
-    for i in range(1, count):
+    out[0] = _start(out)
+    for i in range(1, len(out)):
         out[i] += _POLE * out[i - 1]
     out[-1] = _POLE / (_POLE * _POLE - 1.0) * (out[-1] + _POLE * out[-2])
-    for i in range(count - 2, -1, -1):
+    for i in range(len(out) - 2, -1, -1):
         out[i] = _POLE * (out[i + 1] - out[i])
     return out
+
+
+def _start(lines: np.ndarray) -> np.ndarray:
+    # the causal filter's first value, of lines that are mirrored there
+    powers = _POLE ** np.arange(min(len(lines), 30))
+    return np.tensordot(powers, lines[: len(powers)], 1)
 
 
 def weights(t: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -54,6 +69,13 @@ def slope_weights(t: np.ndarray) -> tuple[np.ndarray, ...]:
 def evaluate(grid: np.ndarray, column: Any, row: Any) -> np.ndarray:
     """The spline at fractional positions (sample centres are whole numbers; the edge is repeated outside)."""
     column, row = np.broadcast_arrays(np.asarray(column, np.float64), np.asarray(row, np.float64))
+    quick = loops()
+    if quick is not None:
+        value = np.empty(column.shape)
+        # of one type, writable too: for another, Numba would compile the loop once more
+        grid, column, row = (np.require(x, np.float64, ["C", "W"]) for x in (grid, column, row))
+        quick.evaluate(grid, column.ravel(), row.ravel(), value.reshape(-1))
+        return value
     value = np.zeros(column.shape)
     wx, wy = weights(column - np.floor(column)), weights(row - np.floor(row))
     for k, taps in enumerate(_taps(grid, column, row)):
@@ -90,10 +112,27 @@ def _taps(grid: np.ndarray, column: np.ndarray, row: np.ndarray) -> Iterator[lis
 def blur(values: np.ndarray, radius: float) -> np.ndarray:
     """Near-Gaussian mean with standard deviation ``radius`` samples: three box means, edges repeated."""
     width = max(round(np.sqrt(4.0 * radius * radius + 1.0)), 1) | 1
-    out = np.asarray(values, np.float64)
+    quick = loops()
+    out = np.array(values, np.float64, order="C")
+    if quick is not None:
+        between = np.empty_like(out)
+        for _ in range(3):
+            quick.mean_down(out, width, between)
+            quick.mean_across(between, width, out)
+        return out
     for axis in (0, 1, 0, 1, 0, 1):
         pad = [(0, 0), (0, 0)]
         pad[axis] = (width // 2 + 1, width // 2)
         total = np.cumsum(np.pad(out, pad, mode="edge"), axis=axis)
         out = (total[width:] - total[:-width] if axis == 0 else total[:, width:] - total[:, :-width]) / width
+    return out
+
+
+def halved(values: np.ndarray) -> np.ndarray:
+    """Means of blocks of 2 × 2; an odd last row or column is left out."""
+    rows, columns = (n // 2 * 2 for n in values.shape)
+    upper, lower = values[0:rows:2], values[1:rows:2]
+    out = upper[:, 0:columns:2] + upper[:, 1:columns:2]
+    out += lower[:, 0:columns:2] + lower[:, 1:columns:2]
+    out *= 0.25
     return out

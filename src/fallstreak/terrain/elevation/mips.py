@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..spline import coefficients, evaluate
+from ..spline import coefficients, evaluate, halved
 from .grid import ElevationGrid
 from .raster import Span
 
@@ -49,8 +49,7 @@ class Mips:
         """The finest level that is kept."""
         self.kept = [grid.overview.heights.astype(np.float64) * exaggeration]
         while min(self.kept[-1].shape) >= 16:
-            h = self.kept[-1][: self.kept[-1].shape[0] // 2 * 2, : self.kept[-1].shape[1] // 2 * 2]
-            self.kept.append(h.reshape(h.shape[0] // 2, 2, h.shape[1] // 2, 2).mean((1, 3)))
+            self.kept.append(halved(self.kept[-1]))
         self._splines = [_Patch(coefficients(level), 0, 0) for level in self.kept]
         self._window: tuple[int, _Patch] | None = None
 

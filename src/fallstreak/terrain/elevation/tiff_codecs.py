@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...world.errors import WorldError
+from ..quick import loops
 
 Unpacker = Callable[[bytes, int, int], np.ndarray]
 """(packed bytes, index, rows that are there) → (rows, columns) in the machine's byte order."""
@@ -123,5 +124,10 @@ def _undo(flat: np.ndarray, dtype: np.dtype, predictor: int) -> np.ndarray:
         )
     values = flat.view(dtype).astype(native, copy=False)
     if predictor == _HORIZONTAL:
+        quick = loops()
+        if quick is not None and native.kind in "iu" and native.itemsize == 2:
+            sums = values.copy()
+            quick.accumulate(sums.view(np.uint16))
+            return sums
         return np.cumsum(values, axis=1, dtype=native)
     return values
