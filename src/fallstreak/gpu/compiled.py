@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from .native import RenderDescriptor
 from .pipelines import Pipelines
 from .readback import Pending, Readback
 from .resources import BufferDecl, Physical, TextureDecl, view_of
-from .schedule import Ref, Schedule, alias
+from .schedule import Ref, Schedule, alias, makers
 from .steps import Step
 from .timing import Timing
 
@@ -53,17 +52,13 @@ class Compiled:
             step.timed(self.timing.writes(position))
             step.writes = {(ref.name, ref.mip or 0) for ref in plan.passes[position].writes}
         self._when = [p.when for p in plan.passes]
-        # What a later frame relies on must be made in the first one, whatever its pass says of that frame.
-        # Not so where passes take turns to make it: one run unasked would write over the right one's.
-        makers = Counter(name for p in plan.passes for name in {ref.name for ref in p.writes})
-        self._makes_lasting = [
-            any(self._lasts(ref) and makers[ref.name] == 1 for ref in p.writes) for p in plan.passes
-        ]
+        # What lasts is made before it is read for the first time, whatever its pass says of that frame.
+        self._unmade = makers(plan, graph.outputs, graph.mips, self._lasts)
         self._written: set[tuple[str, int]] = set()
-        self._ran = np.zeros(len(plan.passes), bool)
+        self._ran = [False] * len(plan.passes)
 
-    def _lasts(self, ref: Ref) -> bool:
-        decl = self.textures.get(ref.name) or self.buffers.get(ref.name)
+    def _lasts(self, name: str) -> bool:
+        decl = self.textures.get(name) or self.buffers.get(name)
         return decl is not None and decl.lifetime == "persistent"
 
     # ---- memory ----------------------------------------------------------------------------------------
@@ -183,15 +178,12 @@ class Compiled:
             calls = self._upload_uniforms()
             encoder = self.device.native.create_command_encoder(label="frame")
             parity = self._frame & 1
-            first = self._frame == 0
             self._written.clear()
-            for position, step in enumerate(self._steps):
-                when = self._when[position]
-                if when is not None and not (first and self._makes_lasting[position]) and not when():
-                    self._ran[position] = False
+            self._ran = self._chosen()
+            for step, runs in zip(self._steps, self._ran, strict=True):
+                if not runs:
                     step.cpu_ms = 0.0
                     continue
-                self._ran[position] = True
                 started = time.perf_counter()
                 calls += step.record(encoder, parity, self._written)
                 step.cpu_ms = (time.perf_counter() - started) * 1e3
@@ -209,6 +201,15 @@ class Compiled:
         for uniform in self.uniforms.values():
             uniform.changed = False
         return pending
+
+    def _chosen(self) -> list[bool]:
+        """Which passes run in this frame."""
+        runs = [when is None or bool(when()) for when in self._when]
+        # Readers come later, and may themselves have to run only because somebody reads them.
+        for position, readers in reversed(self._unmade.items()):
+            runs[position] |= readers is None or any(runs[reader] for reader in readers)
+        self._unmade = {p: readers for p, readers in self._unmade.items() if not runs[p]}
+        return runs
 
     def _upload_uniforms(self) -> int:
         dirty = [u for u in self.uniforms.values() if u.changed]
@@ -274,7 +275,7 @@ class Compiled:
         gpu = self.timing.milliseconds()
         passes = []
         for i, step in enumerate(self._steps):
-            ran = bool(self._ran[i])
+            ran = self._ran[i]
             ms = None if gpu is None else (float(gpu[i]) if ran and step.is_timed else 0.0)
             passes.append({"name": step.name, "ran": ran, "gpu_ms": ms, "cpu_ms": step.cpu_ms})
         return {

@@ -28,6 +28,10 @@ class Declarations:
         self.sealed = False
         """No more may be declared: the graph is compiled."""
 
+    def mips(self, name: str) -> int:
+        """Levels of a resource, 1 for what is no texture."""
+        return self.textures[name].mips if name in self.textures else 1
+
     def _declare(self, name: str) -> None:
         if name in self.textures or name in self.buffers or name in self.uniforms:
             raise GraphError(f"resource {name!r} is declared twice")

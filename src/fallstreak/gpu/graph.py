@@ -80,8 +80,9 @@ class FrameGraph(Declarations):
         groups : tuple, callable or str
             Workgroups; a callable is asked every frame; a string names an indirect buffer.
         when : callable, optional
-            Asked every frame; False skips the pass. What alone makes a persistent resource always runs in
-            the first frame; of passes that take turns to make one, one must say yes.
+            Asked every frame; False skips the pass. What alone makes a persistent resource runs all the same
+            before anybody reads that for the first time; of passes that take turns to make one, one must say
+            yes.
         """
         native, linked = self._shader(shader, [entry], flags, constants, structs)
         reads, writes = self._accesses(name, linked.bindings, bind)
@@ -261,10 +262,7 @@ class FrameGraph(Declarations):
             For circles, outputs nobody writes, transient resources written only sometimes or never.
         """
 
-        def mips(name: str) -> int:
-            return self.textures[name].mips if name in self.textures else 1
-
-        plan = schedule(self._passes, self.outputs, mips)
+        plan = schedule(self._passes, self.outputs, self.mips)
         self._validate(plan)
         self._compiled = Compiled(self, plan)
         self.sealed = True

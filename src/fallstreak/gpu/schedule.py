@@ -161,6 +161,33 @@ def _cull(passes: Sequence[PassDecl], wanted: set[str]) -> set[int]:
     return alive
 
 
+def makers(
+    plan: Schedule, outputs: Iterable[str], mips: Callable[[str], int], lasts: Callable[[str], bool]
+) -> dict[int, list[int] | None]:
+    """Passes that alone make something that lasts, by position, each with the positions of its readers.
+
+    None stands for readers outside. A pass that shares the making with others is none of these: it would
+    write over what the right one of them made.
+    """
+    writers: dict[tuple[str, int], set[int]] = defaultdict(set)
+    readers: dict[tuple[str, int], list[int]] = defaultdict(list)
+    for position, p in enumerate(plan.passes):
+        for ref in p.writes:
+            for key in _keys(ref, mips):
+                writers[key].add(position)
+        for ref in p.reads:
+            for key in _keys(ref, mips):
+                readers[key].append(position)
+    found: dict[int, list[int] | None] = {}
+    for key, positions in writers.items():
+        if len(positions) == 1 and lasts(key[0]):
+            (maker,) = positions
+            known = found.get(maker, [])
+            outside = known is None or key[0] in outputs
+            found[maker] = None if outside else known + [r for r in readers[key] if r > maker]
+    return dict(sorted(found.items()))
+
+
 def alias(lifetimes: dict[str, tuple[int, int]], kind: Callable[[str], object]) -> dict[str, int]:
     """Assign transient resources to as few physical ones as their lifetimes allow.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import tan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from .colour import temperature_colour
 from .ephemeris import Ephemeris, Heavens
 from .light import LIGHT, MAGNITUDE_ZERO_LUX, light_values
 from .moon import RAYED_CRATERS, SEAS, feature_records
+from .sight import in_sight
 from .stars import star_records
 
 if TYPE_CHECKING:
@@ -87,6 +89,10 @@ class Celestial:
         spots[:, 1, :3] = self._planet_colours * 10 ** (-0.4 * heavens.planet_magnitudes)[:, None]
         return spots.reshape(2 * PLANETS, 4)
 
+    def _sees_moon(self) -> bool:
+        light, view = self._light.record, self._graph.uniforms["view"].record
+        return self._moon_up and in_sight(view, light["moon_direction"], tan(float(light["moon_radius"])))
+
     def draw(self) -> None:
         """Declare the draws into `frame.hdr`."""
         sky, graph = self._world.sky, self._graph
@@ -106,7 +112,7 @@ class Celestial:
             "package::sky::milky_way",
             bind={"output": "sky.milky_way"},
             groups=(width // 8, height // 8, 1),
-            when=lambda: False,  # it always runs in the first frame
+            when=lambda: False,  # once, before the first night
         )
         graph.fullscreen(
             "sky.night",
@@ -129,7 +135,7 @@ class Celestial:
                 depth_compare="greater-equal",
                 topology="triangle-strip",
                 vertices=4,
-                when=lambda: self._moon_up,
+                when=self._sees_moon,
                 order=15,
                 **onto,
             )

@@ -10,6 +10,7 @@ from .air import AIR, Air
 from .celestial_passes import Celestial
 from .ephemeris import Heavens
 from .light import LIGHT
+from .sight import in_sight
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,6 +46,7 @@ class Sky:
     ):
         self._celestial = Celestial(graph, world, quality)
         self._moon_matters = False
+        self._view, self._light = graph.uniforms["view"].record, graph.uniforms["sky.light"].record
         graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
         _still_tables(graph, quality)
         _frame_tables(graph, quality, lambda: self._moon_matters)
@@ -74,6 +76,7 @@ class Sky:
             blend="add",
             topology="triangle-strip",
             vertices=4,
+            when=self._sees_sun,
             order=11,
             **onto,
         )
@@ -91,6 +94,9 @@ class Sky:
         """Set the lights of a given sky, for a camera at an altitude (m)."""
         self._see(self._celestial.shine(heavens, altitude))
 
+    def _sees_sun(self) -> bool:
+        return in_sight(self._view, self._light["sun_direction"], float(self._light["sun_radius"]))
+
     def _see(self, values: dict[str, Any]) -> None:
         moon = values["moon_illuminance"]
         # lookup.wesl's question, a little earlier, so that no frame reads a table that was not made
@@ -98,7 +104,7 @@ class Sky:
 
 
 def _never() -> bool:
-    """For passes of the first frame alone."""
+    """For passes that run once, before somebody reads what they make."""
     return False
 
 

@@ -76,7 +76,7 @@ class Vegetation:
             return
         self._struct = plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
-        self._frames, self._near, self._above = 0, True, 0.0
+        self._near, self._above = True, 0.0
         self._reach = [[0.0] * LEVELS for _ in self.stands]
         self._light = graph.uniforms.get("sky.light")
         self._cover_level = cover_level or (lambda radius: 0)
@@ -226,7 +226,6 @@ class Vegetation:
             "HALF_WIDTH": 1.02 * float(np.hypot(away[:, 0], away[:, 1]).max()),
             "HALF_HEIGHT": 1.02 * mesh.reach,
         }
-        first = self._is_first
         for part in ("looks", "shapes"):
             graph.texture(f"{name}.{part}", "rgba8unorm", size, mips=_LAST_MIP + 1, persistent=True)
         graph.texture(f"{name}.depth", "depth32float", size, persistent=True)
@@ -244,7 +243,7 @@ class Vegetation:
             indices=len(mesh.indices),
             instances=VIEWS**2,
             constants={**frame, **layers},
-            when=first,
+            when=_never,
         )
         maker = MipMaker.of(graph.device)
 
@@ -259,7 +258,7 @@ class Vegetation:
             reads=[f"{name}.looks:mip0", f"{name}.shapes:mip0"],
             writes=written,
             record=mips,
-            when=first,
+            when=_never,
         )
         graph.render(
             f"{name}2",
@@ -295,10 +294,6 @@ class Vegetation:
         up = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
         return float(self._light.record["sun_direction"] @ up / np.linalg.norm(up))
 
-    def _is_first(self) -> bool:
-        """Whether the pictures of the impostors are still to be made."""
-        return self._frames <= 1
-
     def _is_near(self) -> bool:
         """Whether anything may be within its radius."""
         return self._near
@@ -307,7 +302,6 @@ class Vegetation:
         """Set the uniform of a frame; `above` is the camera's height over the ground, m."""
         if not self.stands:
             return
-        self._frames += 1
         # ground elsewhere may be higher than below the camera, but hardly by as much as it is away
         self._above, self._near = above, above < 2.0 * max(s.radius for s in self.stands)
         east, north = map_coordinates(state.camera.position, state.planet_radius)
@@ -343,3 +337,8 @@ class Vegetation:
 def _sun_shade(sine: float) -> float:
     """Of the sun's light that crowns take on its way down into a dense wood: the more the lower it stands."""
     return 0.28 + 0.67 * (1.0 - exp(-0.15 / max(sine, 0.02)))
+
+
+def _never() -> bool:
+    """For the pictures of the impostors: they are made once, before somebody draws them."""
+    return False
