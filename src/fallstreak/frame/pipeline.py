@@ -21,6 +21,7 @@ from fallstreak.terrain.passes import Terrain
 
 from .accumulate import Accumulate, still_jitter
 from .bloom import add_bloom
+from .clouds import add_clouds
 from .exposure import Exposure, add_exposure_buffer
 from .gbuffer import add_gbuffer
 from .lighting import add_lighting
@@ -78,6 +79,7 @@ class Pipeline:
         self.models = Models(graph, models)
         self.clouds = Clouds(graph, world, quality, size)
         add_lighting(graph, world, quality, size)
+        add_clouds(graph, self.clouds)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)
         )
