@@ -116,6 +116,7 @@ def _pass_ms(name: str, distance: float) -> float | None:
     )
     best = []
     with fs.Renderer(world, SIZE, "low", samples=1) as renderer:
+        renderer.pass_times = True
         for index in range(ROUNDS):
             renderer.render(index)
             passes = {p["name"]: p["gpu_ms"] for p in renderer.stats()["passes"]}

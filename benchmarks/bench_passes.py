@@ -39,6 +39,7 @@ def run(report):
 def _costs(world, quality, size=SIZE):
     """Milliseconds of every group of passes; 0 where none of them ran."""
     with fs.Renderer(world, size=size, quality=quality) as renderer:
+        renderer.pass_times = True
         frames = []
         for index in range(WARM_UP + MEASURED):
             renderer.render(index)

@@ -47,6 +47,7 @@ class Stage:
         self.world = fs.load("jacksboro", [*LANDS[land], *overrides])
         self.size, self.quality = size, QUALITY[quality]
         self.graph = FrameGraph(device)
+        self.graph.pass_times = True
         self.view = self.graph.uniform("view", VIEW)
         add_gbuffer(self.graph, size)
         self.terrain = Terrain(device, self.graph, self.world, self.quality, size)

@@ -140,6 +140,25 @@ def test_calls_and_stats(flight):
     assert stats["texture_bytes"] > 0
 
 
+def test_passes_that_share_one_of_the_gpus_draw_the_same(flight):
+    """And cost fewer calls; the time of each is only known where none share."""
+    pictures, calls, unknown = [], [], []
+    for pass_times in (False, True):
+        with fs.Renderer(flight, SIZE, "low") as renderer:
+            renderer.pass_times = pass_times
+            pictures.append(renderer.render(0).ldr)
+            stats = renderer.stats()
+            calls.append(stats["calls"])
+            ran = [p["gpu_ms"] for p in stats["passes"] if p["ran"]]
+            unknown.append(ran.count(None))
+            if pass_times and stats["gpu_ms"] is not None:
+                assert sum(ran) == pytest.approx(stats["gpu_ms"])
+    np.testing.assert_array_equal(*pictures)
+    assert calls[0] < calls[1]
+    assert unknown[0] > 2
+    assert unknown[1] in (0, len(ran))  # all of them without timestamps
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -149,6 +149,7 @@ class Job:
             "samples": renderer.samples,
             "seed": self.world.seed,
         }
+        renderer.pass_times = bool(self.stats or self.verbose)
         return Measured(renderer, Statistics(facts) if self.stats or self.verbose else None)
 
     def _tell(self, measured: Measured, seconds: float) -> None:

@@ -135,6 +135,8 @@ class Renderer:
         self._position: int | None = None
         self._cameras: dict[Pose, CameraState] = {}
         self._closed = False
+        self.pass_times = False
+        """Let `stats` have the time of every pass; see `FrameGraph.pass_times`."""
         self.models = PlacedModels(world)
         """The world's models by name, to be moved between frames."""
         self.device = Device.open(adapter)
@@ -181,7 +183,10 @@ class Renderer:
         return pending
 
     def stats(self) -> dict[str, Any]:
-        """Times per pass of the last frame, bytes of memory, WebGPU calls; waits for the GPU."""
+        """Times of the last frame, bytes of memory, WebGPU calls; waits for the GPU.
+
+        The time of each pass is there with `pass_times`.
+        """
         self._check_open()
         return {**self.graph.stats(), "size": self.size, "frame_ms": self._frame_ms}
 
@@ -260,6 +265,7 @@ class Renderer:
     ) -> dict[str, Pending]:
         reads: dict[str, Pending] = {}
         begin = time.perf_counter()
+        self.graph.pass_times = self.pass_times
         for sample in range(samples):
             state = self.state(index, self.pipeline.jitter(index, sample, samples), sample)
             self._view.set(**view_values(state))
@@ -449,6 +455,7 @@ def render(
         "show": show,
     }
     with Renderer(world, size, quality, still=True, **options) as renderer:
+        renderer.pass_times = True
         pending = renderer.submit(0)
         stats = renderer.stats()
         frame = pending.result()

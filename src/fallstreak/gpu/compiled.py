@@ -16,7 +16,7 @@ from .pipelines import Pipelines
 from .readback import Pending, Readback
 from .resources import BufferDecl, Physical, TextureDecl, view_of
 from .schedule import Ref, Schedule, alias, makers
-from .steps import Step
+from .steps import Step, Tape
 from .timing import Timing
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ class Compiled:
         self._outputs = graph.outputs
         self.physical: dict[str, Physical] = {}
         self._readback = Readback(self.device)
+        self._targets: dict[object, object] = {}
         self._frame = 0
         self._ms = {"record": 0.0, "submit": 0.0}
         self._calls = 0
@@ -54,7 +55,6 @@ class Compiled:
         self._when = [p.when for p in plan.passes]
         # What lasts is made before it is read for the first time, whatever its pass says of that frame.
         self._unmade = makers(plan, graph.outputs, graph.mips, self._lasts)
-        self._written: set[tuple[str, int]] = set()
         self._ran = [False] * len(plan.passes)
 
     def _lasts(self, name: str) -> bool:
@@ -169,24 +169,32 @@ class Compiled:
             descriptors.append(RenderDescriptor(who, targets, buffer))
         return descriptors
 
+    def targets(self, color: list[Ref], depth: Ref | None, writes: list[Ref]) -> object:
+        """One and the same object for all passes that may share a render pass; None for one that may not."""
+        if any(ref not in color and ref != depth for ref in writes):
+            return None
+        key = (*color, None, depth, depth in writes)
+        return self._targets.setdefault(key, key)
+
     # ---- running ---------------------------------------------------------------------------------------
 
-    def execute(self, read: Iterable[str] = ()) -> dict[str, Pending]:
+    def execute(self, read: Iterable[str] = (), *, apart: bool = False) -> dict[str, Pending]:
         """Record and submit one frame; see `FrameGraph.execute`."""
         begin = time.perf_counter()
         with translated("rendering a frame"):
             calls = self._upload_uniforms()
             encoder = self.device.native.create_command_encoder(label="frame")
             parity = self._frame & 1
-            self._written.clear()
+            tape = Tape(encoder, apart)
             self._ran = self._chosen()
             for step, runs in zip(self._steps, self._ran, strict=True):
                 if not runs:
                     step.cpu_ms = 0.0
                     continue
                 started = time.perf_counter()
-                calls += step.record(encoder, parity, self._written)
+                step.record(tape, parity)
                 step.cpu_ms = (time.perf_counter() - started) * 1e3
+            tape.close()
             self.timing.resolve(encoder)
             pending = {name: self._copy_of(name, parity) for name in read}
             copies = self._readback.record(encoder, pending.values())
@@ -196,7 +204,7 @@ class Compiled:
             for copy in copies:
                 copy.begin()
         self._ms = {"record": (recorded - begin) * 1e3, "submit": (time.perf_counter() - recorded) * 1e3}
-        self._calls = calls + 4
+        self._calls = calls + tape.calls + 4
         self._frame += 1
         for uniform in self.uniforms.values():
             uniform.changed = False
@@ -273,16 +281,19 @@ class Compiled:
     def stats(self) -> dict[str, Any]:
         """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU."""
         gpu = self.timing.milliseconds()
-        passes = []
+        passes, total = [], 0.0
         for i, step in enumerate(self._steps):
-            ran = self._ran[i]
-            ms = None if gpu is None else (float(gpu[i]) if ran and step.is_timed else 0.0)
+            ran, ms = self._ran[i], None
+            if gpu is not None:
+                ms = float(gpu[i]) if ran and step.is_timed else 0.0
+                total += ms if step.opens else 0.0
+                ms = None if ran and step.shares else ms
             passes.append({"name": step.name, "ran": ran, "gpu_ms": ms, "cpu_ms": step.cpu_ms})
         return {
             "adapter": str(self.device.adapter),
             "passes": passes,
             "culled": list(self.plan.culled),
-            "gpu_ms": None if gpu is None else sum(p["gpu_ms"] for p in passes),
+            "gpu_ms": None if gpu is None else total,
             "cpu_ms": self._ms["record"] + self._ms["submit"],
             "record_ms": self._ms["record"],
             "submit_ms": self._ms["submit"],

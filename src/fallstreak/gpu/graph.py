@@ -48,6 +48,9 @@ class FrameGraph(Declarations):
         self._passes: list[PassDecl] = []
         self.outputs: list[str] = []
         self._compiled: Compiled | None = None
+        self.pass_times = False
+        """Record every pass on its own, so that `stats` knows the time of each; else passes that can, share
+        one of the GPU's, which is a little cheaper. Pictures are the same."""
         self.shader_requests: list[dict[str, Any]] = []
         """Every (module, entries, flags, constants, structs) asked for; tests validate each."""
 
@@ -195,6 +198,7 @@ class FrameGraph(Declarations):
                 made.physical[index].at(0) if index else None,
                 indices,
                 indirect_offset,
+                made.targets(color_refs, depth_ref, writes),
             )
 
         self._add(PassDecl(name, reads, writes, build, order, when, spec))
@@ -319,7 +323,7 @@ class FrameGraph(Declarations):
         DeviceLostError
             When the GPU has gone away; nothing of the graph can be used afterwards.
         """
-        return self.compiled.execute(read)
+        return self.compiled.execute(read, apart=self.pass_times)
 
     def upload(self, name: str, data: np.ndarray) -> None:
         """Overwrite the start of a `buffer_data`, from the next frame on."""
@@ -347,5 +351,8 @@ class FrameGraph(Declarations):
         self.compiled.restore(state)
 
     def stats(self) -> dict[str, Any]:
-        """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU."""
+        """Times of the last frame per pass, bytes of memory, WebGPU calls; waits for the GPU.
+
+        Without `pass_times`, `gpu_ms` of passes that were recorded together is None; the frame's is whole.
+        """
         return self.compiled.stats()
