@@ -12,6 +12,7 @@ import gc
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from operator import index as whole_number
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -20,6 +21,7 @@ import numpy as np
 
 from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, GpuError, Pending
 from fallstreak.models.poses import PlacedModels
+from fallstreak.terrain.model import terrain_model
 from fallstreak.world.quality import QUALITY, Quality
 from fallstreak.world.state import (
     CameraState,
@@ -139,7 +141,11 @@ class Renderer:
         """Let `stats` have the time of every pass; see `FrameGraph.pass_times`."""
         self.models = PlacedModels(world)
         """The world's models by name, to be moved between frames."""
-        self.device = Device.open(adapter)
+        # The ground's model takes a second or two, much of it in NumPy; meanwhile the device opens.
+        with ThreadPoolExecutor(1) as beside:
+            ground = beside.submit(terrain_model, world)
+            self.device = Device.open(adapter)
+            ground.result()
         self._build()
 
     def __enter__(self) -> Self:

@@ -183,8 +183,10 @@ def makers(
         if len(positions) == 1 and lasts(key[0]):
             (maker,) = positions
             known = found.get(maker, [])
-            outside = known is None or key[0] in outputs
-            found[maker] = None if outside else known + [r for r in readers[key] if r > maker]
+            if known is None or key[0] in outputs:
+                found[maker] = None
+            else:
+                found[maker] = known + [r for r in readers[key] if r > maker]
     return dict(sorted(found.items()))
 
 
