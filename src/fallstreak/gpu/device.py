@@ -81,7 +81,12 @@ class Device:
                 raise GpuError(f"sampler {name!r} is unknown; there are {', '.join(_SAMPLERS)}")
             how, u, v = _SAMPLERS[name]
             self._samplers[name] = self.native.create_sampler(
-                mag_filter=how, min_filter=how, mipmap_filter=how, address_mode_u=u, address_mode_v=v
+                mag_filter=how,
+                min_filter=how,
+                mipmap_filter=how,
+                address_mode_u=u,
+                address_mode_v=v,
+                address_mode_w=v,
             )
         return self._samplers[name]
 

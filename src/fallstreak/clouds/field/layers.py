@@ -1,0 +1,107 @@
+"""A layer of the sky with every number known: what the scene says, and what is usual of its genus."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import Any
+
+from ...noise.hashing import octave_seed
+from ..genera import GENERA, Genus
+from ..shapes import CloudModel
+
+SEED = 0x5C10D5  # clouds have nothing to do with what else follows from the world's seed
+FINER = 4.3
+"""The fine noise over the coarse."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer, in SI units; angles in radians, counter-clockwise from east.
+
+    Attributes
+    ----------
+    genus : Genus
+    models : tuple of CloudModel
+    seed : int
+        Of its lattice.
+    coverage, clustering : float
+    base, base_spread, extinction, soft : float
+        m, m, 1/m, m; see `Genus`.
+    radius, height : (float, float)
+        m, smallest and largest.
+    cell, jitter : float
+        m; part of the cell.
+    wind : (float, float)
+        m/s, where it blows to.
+    towards : float
+        Direction of the wind.
+    lifetime : float
+        s; 0: for ever.
+    tile : float
+        m, see `Genus`.
+    """
+
+    genus: Genus
+    models: tuple[CloudModel, ...]
+    seed: int
+    coverage: float
+    clustering: float
+    base: float
+    base_spread: float
+    soft: float
+    extinction: float
+    radius: tuple[float, float]
+    height: tuple[float, float]
+    cell: float
+    wind: tuple[float, float]
+    towards: float
+    lifetime: float
+    tile: float
+
+    @classmethod
+    def of(cls, world: Any, index: int, models: tuple[CloudModel, ...]) -> Layer:
+        """The layer of a world's ``clouds.layers``, as copies of `models`."""
+        given = world.clouds.layers[index]
+        usual = GENERA[given.genus]
+        thickness = _or(given.thickness, usual.thickness)
+        # a thin layer has thin edges
+        part = min(thickness / usual.thickness, 1.0)
+        speed, towards = _or(given.wind_speed, usual.wind), radians(270.0 - given.wind_from)
+        return cls(
+            genus=usual,
+            models=models,
+            seed=octave_seed(octave_seed(world.seed, SEED) + given.seed, index),
+            coverage=given.cover,
+            clustering=_or(given.clustering, usual.clustering),
+            base=_or(given.base, usual.base),
+            base_spread=usual.base_spread * part,
+            soft=usual.soft * part,
+            extinction=_or(given.extinction, usual.extinction),
+            radius=(usual.radius[0] * given.size, usual.radius[1] * given.size),
+            height=(usual.height[0] * thickness, usual.height[1] * thickness),
+            cell=usual.cell * given.size,
+            wind=(speed * cos(towards), speed * sin(towards)),
+            towards=towards,
+            lifetime=_or(given.lifetime, usual.lifetime),
+            tile=usual.tile * given.size,
+        )
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Heights between which all of its matter lies, m above the sea."""
+        top = max(model.top / model.height for model in self.models)
+        half = 0.5 * self.base_spread
+        return self.base - half, self.base + half + top * self.height[1]
+
+    @property
+    def body(self) -> float:
+        """Mean horizontal half size of its clouds' boxes, m: what blurs beyond that size."""
+        parts = [float(m.boxes["half"][:, :2].mean()) / m.radius for m in self.models]
+        large = 1.0 / 3.0  # mean of a square of a random number
+        radius = self.radius[0] + large * (self.radius[1] - self.radius[0])
+        return radius * sum(parts) / len(parts)
+
+
+def _or(given: float | None, usual: float) -> float:
+    return usual if given is None else float(given)
