@@ -17,7 +17,7 @@ from ..cover import palette as cover_palette
 from ..frame import TERRAIN_FRAME
 from . import cards
 from .flora import FLORA, affinity
-from .stands import LEVELS, Stand, index_count, plants_struct, stands_of
+from .stands import IMPOSTOR, LEVELS, Stand, index_count, plants_struct, stands_of
 
 VIEWS = 8
 """An impostor has VIEWS × VIEWS pictures over the upper half of all directions."""
@@ -213,19 +213,22 @@ class Vegetation:
                 when=lambda level=level: self._is_near() and self._above < self._reach[index][level],
             )
         if kind.tile is not None:
-            self._add_impostor(graph, index, stand, layers)
+            self._add_impostor(graph, index, stand)
 
-    def _add_impostor(self, graph: FrameGraph, index: int, stand: Stand, layers: dict[str, int]) -> None:
+    def _add_impostor(self, graph: FrameGraph, index: int, stand: Stand) -> None:
         kind = stand.kind
         assert kind.tile is not None
         mesh, name = kind.mesh(0), f"plants.{kind.name}"
         size = (VIEWS * kind.tile[0], VIEWS * kind.tile[1])
         away = mesh.vertices["place"] - np.array([0.0, 0.0, 0.5], np.float32)
-        frame = {
-            "VIEWS": VIEWS,
-            "HALF_WIDTH": 1.02 * float(np.hypot(away[:, 0], away[:, 1]).max()),
-            "HALF_HEIGHT": 1.02 * mesh.reach,
-        }
+        # not constants: one shader draws all kinds, and a driver compiles it once
+        graph.uniform(f"{name}.impostor", IMPOSTOR).set(
+            half_width=1.02 * float(np.hypot(away[:, 0], away[:, 1]).max()),
+            half_height=1.02 * mesh.reach,
+            tile_height=kind.tile[1],
+            first=stand.first[2],
+            leaf_layer=kind.leaf,
+        )
         for part in ("looks", "shapes"):
             graph.texture(f"{name}.{part}", "rgba8unorm", size, mips=_LAST_MIP + 1, persistent=True)
         graph.texture(f"{name}.depth", "depth32float", size, persistent=True)
@@ -238,11 +241,13 @@ class Vegetation:
                 "vertices": f"{name}0.vertices",
                 "cards": "plants.cards",
                 "repeating": "sampler:linear-repeat",
+                "impostor": f"{name}.impostor",
             },
             index=f"{name}0.index",
             indices=len(mesh.indices),
             instances=VIEWS**2,
-            constants={**frame, **layers},
+            structs=[IMPOSTOR],
+            constants={"VIEWS": VIEWS, "BARK_LAYER": cards.BARK},
             when=_never,
         )
         maker = MipMaker.of(graph.device)
@@ -272,17 +277,13 @@ class Vegetation:
                 "looks": f"{name}.looks",
                 "shapes": f"{name}.shapes",
                 "linear": "sampler:linear-clamp",
+                "impostor": f"{name}.impostor",
             },
             indirect="plants.draws",
             indirect_offset=20 * (index * LEVELS + 2),
             index="plants.square",
-            structs=[self._struct],
-            constants={
-                "FIRST": stand.first[2],
-                "TILE_HEIGHT": float(kind.tile[1]),
-                "LAST_MIP": float(_LAST_MIP),
-                **frame,
-            },
+            structs=[self._struct, IMPOSTOR],
+            constants={"VIEWS": VIEWS, "LAST_MIP": float(_LAST_MIP)},
             order=_BEFORE_GROUND,
             when=self._is_near,
         )

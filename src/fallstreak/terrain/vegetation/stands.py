@@ -42,6 +42,19 @@ def plants_struct(kinds: int) -> Struct:
     )
 
 
+IMPOSTOR = Struct(
+    "Impostor",
+    [
+        ("half_width", "f32", "of a picture, in heights of the plant"),
+        ("half_height", "f32", "the same"),
+        ("tile_height", "f32", "rows of a picture"),
+        ("first", "u32", "place of the kind's first instance"),
+        ("leaf_layer", "i32", "of the cards, that of its leaves"),
+    ],
+)
+"""The uniform of a kind whose pictures stand for it far away."""
+
+
 def tree_radius(world: Any, quality: Any) -> float:
     """How far trees stand about the camera, m; 0 where none ever grow."""
     country = FLORA.get(world.terrain.material, {})
