@@ -25,6 +25,7 @@ CLIP_JOBS = Struct(
 MIN_RANGE = 1.5  # of its own widths that a node is drawn up to, however coarse the picture
 MAX_DEPTH = 16  # of the quadtree: a node's column and row have 16 bits each
 SHORE = 512
+MOST_TILES = 32  # of a window's width; with all levels as many as there can be jobs
 _KINDS = ("shape", "surface")
 
 
@@ -196,9 +197,10 @@ def _tiles(model: TerrainModel, world: Any, quality: Any, size: tuple[int, int])
     camera = world.camera
     fov = np.radians(min([camera.fov, *(key.fov for key in camera.keyframes if key.fov)]))
     pixel = 2.0 * tan(0.5 * fov) / size[1]
-    grid, edge = quality.terrain_grid, 4.0 * quality.terrain_error_px / model.finer
+    grid, edge = quality.terrain_grid, 4.0 * quality.terrain_error_px / max(model.finer)
     samples = max(
         1.0 / (quality.terrain_texel_px * pixel) + 48.0,
         max(1.0 / (edge * pixel), MIN_RANGE * grid) + 2.5 * grid + 16.0,
     )
-    return int(min(2 * ceil(samples / TILE), quality.terrain_tiles))
+    most = min(quality.terrain_tiles * (4 if max(model.finer) > 2.0 else 3) // 6 * 2, MOST_TILES)
+    return int(min(2 * ceil(samples / TILE), most))

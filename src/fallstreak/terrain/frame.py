@@ -28,6 +28,8 @@ TERRAIN_FRAME = Struct(
         ("extent", "f32", "m, half the width of the map"),
         ("leaf", "f32", "m, width of the smallest node"),
         ("range", "f32", "a node is drawn up to this many of its own widths away"),
+        ("coarse_range", "f32", "the same where land is rugged in samples as wide as its own"),
+        ("coarse_level", "f32", "of the clipmap, a real number: up to here it is `range`"),
         ("spacing", "f32", "m between texels of level 0 of an elevation model"),
         ("levels", "f32", "number of levels of an elevation model"),
         ("lowest", "f32", "m, lowest ground anywhere"),

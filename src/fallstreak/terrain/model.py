@@ -26,8 +26,10 @@ SHIPPED = ("jacksboro",)
 LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": "Dunes"}
 """Kinds of land made from noise at every sample: module and class in ``land/``."""
 
-FINER = {"canyons": 2.0, "alpine": 1.6}
-"""Land so rugged that its mesh has to be so much finer for the same error on the screen."""
+FINER = {"canyons": (1.8, 3.0), "alpine": (1.6, 1.6)}
+"""Land so rugged that its mesh has to be so much finer for the same error on the screen: samples closer than
+`COARSE`, and the others. Walls of canyons are smooth up to the size of their layers."""
+COARSE = 8.0  # m
 
 LARGE = 8 << 20  # bytes of elevation files: above, compiled loops save more than loading them takes
 SEED = 101  # added to the world's seed for all noise of the ground
@@ -47,15 +49,16 @@ class TerrainModel:
     extent : m, half the width of the map
     island : bool
         The sea begins where the elevation file ends.
-    finer : float
-        Edges of its mesh are shorter by this than those of smooth land.
+    finer : (float, float)
+        Edges of its mesh are shorter by this than those of smooth land: where samples are closer than
+        `COARSE`, and farther off.
     """
 
     land: LandModel | None
     radius: float
     extent: float
     island: bool = False
-    finer: float = 1.0
+    finer: tuple[float, float] = (1.0, 1.0)
 
     def shape(self, east: Any, north: Any, step: Any = FINEST) -> LandShape:
         """The land at places of the map as samples `step` metres apart hold it; arrays broadcast."""
@@ -143,7 +146,7 @@ def _build(key: tuple) -> TerrainModel:
     ground = (seed + SEED) & 0xFFFFFFFF
     if source in LANDS:
         kind = getattr(import_module(f"fallstreak.terrain.land.{source}"), LANDS[source])
-        return TerrainModel(kind(land, ground), radius, extent, finer=FINER.get(source, 1.0))
+        return TerrainModel(kind(land, ground), radius, extent, finer=FINER.get(source, (1.0, 1.0)))
     if source == "fractal":
         base, relief = (x / max(exaggeration, 1e-9) for x in (land.base_height, land.relief))
         heights = FractalLand(

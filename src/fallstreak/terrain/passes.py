@@ -15,7 +15,7 @@ from .frame import TERRAIN_FRAME
 from .land.levels import Levels
 from .land.shape import land_values
 from .materials import add_materials, ground_constants
-from .model import SEED, TerrainModel, terrain_model
+from .model import COARSE, SEED, TerrainModel, terrain_model
 from .near import NearGround
 from .vegetation import Vegetation, tree_radius
 from .water import add_water, slope_variance, water_constants
@@ -56,7 +56,7 @@ class Terrain:
         self.model: TerrainModel = terrain_model(world)
         self._grid = int(quality.terrain_grid)
         # Twice to four times the error is what one edge of the mesh may measure on the screen.
-        self._edge_px = 4.0 * float(quality.terrain_error_px) / self.model.finer
+        self._edges_px = [4.0 * float(quality.terrain_error_px) / finer for finer in self.model.finer]
         self._frame = graph.uniform("terrain.frame", TERRAIN_FRAME)
         self._light = graph.uniforms.get("sky.light")  # without a sky the sun stands overhead
         self._sees_globe = True
@@ -224,6 +224,7 @@ class Terrain:
                 indices=6 * self._grid**2,
                 clip_levels=self.clip.levels,
                 shift_bound=model.land.shift_bound,
+                coarse_level=log2(COARSE / self.clip.spacing) - 1.0,
             )
             if isinstance(model.land, Levels):
                 pyramid = model.land.pyramid
@@ -240,6 +241,9 @@ class Terrain:
         tile = (floor(east / _TILE) * _TILE, floor(north / _TILE) * _TILE)
         pixel = 2.0 * tan(0.5 * state.camera.fov) / state.size[1]
         above = self._near.distance(east, north, height)
+        ranges = [
+            min(max(1.0 / (self._grid * edge * pixel), MIN_RANGE), self.clip.range) for edge in self._edges_px
+        ]
         return {
             "camera_map": (east, north),
             "camera_height": height,
@@ -248,7 +252,8 @@ class Terrain:
             "camera_cell": cell,
             "tile": tile,
             "camera_above": above,
-            "range": min(max(1.0 / (self._grid * self._edge_px * pixel), MIN_RANGE), self.clip.range),
+            "range": ranges[0],
+            "coarse_range": ranges[1],
             **self.clip.move(east, north, above * pixel),
         }
 

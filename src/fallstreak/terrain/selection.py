@@ -14,7 +14,7 @@ from .projection import map_from_world, world_from_map
 
 MORPH_START = 0.83
 Bounds = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
-"""Lowest, highest, largest shifts east and north over the tiles of a level that hold samples first .. last."""
+"""Lowest, highest, largest shifts east and north, of the tiles of a level that hold samples first .. last."""
 
 
 def bounds_of(held: np.ndarray) -> Bounds:
@@ -32,6 +32,11 @@ def bounds_of(held: np.ndarray) -> Bounds:
         return np.array([found[..., 0].min(), *found[..., 1:].reshape(-1, 3).max(0)], float)
 
     return find
+
+
+def range_of(frame: dict[str, Any], level: int) -> float:
+    """Of its own widths that a node of a level of the clipmap can be away."""
+    return min(frame["range"] * 2.0 ** max(level - frame["coarse_level"], 0.0), frame["coarse_range"])
 
 
 def first_sample(frame: dict[str, Any], grid: int, cells: np.ndarray, level: int) -> np.ndarray:
@@ -74,7 +79,7 @@ def select_nodes(
                 offset = corner - frame["camera_map"]
                 d = np.maximum(np.maximum(offset, -(offset + size)), 0.0)
                 nearest = np.sqrt(d @ d + frame["camera_above"] ** 2)
-                drawn = level == 0 or nearest >= 0.5 * frame["range"] * size
+                drawn = level == 0 or nearest >= 0.5 * range_of(frame, level - 1) * size
                 held = np.array([frame["lowest"], frame["highest"], *2 * (frame["shift_bound"],)])
                 if drawn:
                     first = first_sample(frame, grid, np.array([x, y]), level)
@@ -147,7 +152,7 @@ def morphed(frame: dict[str, Any], node: np.ndarray, grid: int) -> Vertices:
         last = own + i + 1 >= frame["clip_levels"]
         here = corner + at * unit
         distance = np.sqrt((here**2).sum(1) + frame["camera_above"] ** 2)
-        reach = frame["range"] * unit * 2.0**i * grid
+        reach = range_of(frame, own + i) * unit * 2.0**i * grid
         p = np.clip((distance / reach - MORPH_START) / (1.0 - MORPH_START), 0.0, 1.0) * (not last)
         odd = (origin + at) & (1 << i)
         new = here - odd * p[:, None] * unit

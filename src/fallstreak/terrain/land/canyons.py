@@ -23,6 +23,7 @@ TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
 MEAN_MAIN, MEAN_SIDE = 0.097, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
+SPREAD = 0.35  # of a step, by which slopes are wider so that samples can carry them
 FIN = 36.0  # m, how rounded crests between gorges are
 GLOW = 0.3  # of what hides the sky, as bright as it
 LEAST_RELIEF = 120.0  # m, more than layers fold: rivers stay below
@@ -114,7 +115,7 @@ class Canyons:
         # side canyons
         mouth = ramp(g.main, 0.0, 0.2 * relief)
         width = relief * (0.20 + 0.16 * g.side_width) * (1.0 - 0.45 * np.clip(g.side_share.value, 0.0, 1.0))
-        fade2 = np.clip(2.0 - 32.0 * step / span, 0.0, 1.0)
+        fade2 = np.clip(2.0 - 16.0 * step / span, 0.0, 1.0)
         cut, _ = self._cut(g.side + bays, g.side + fans, width, step)
         cut = cut * ramp(g.side_end + 0.7 * bays, -50.0, 50.0) * mouth * g.side_there * fade2
         floor = blend(river + (BANK + 1.0), plateau, 0.04 + 0.5 * ramp(g.side_share, -0.2, 1.2))
@@ -125,7 +126,7 @@ class Canyons:
 
         # slots
         width = relief * (0.10 + 0.08 * g.slot_width) * (1.0 - 0.3 * np.clip(g.slot_share.value, 0.0, 1.0))
-        fade3 = np.clip(2.0 - 64.0 * step / span, 0.0, 1.0)
+        fade3 = np.clip(2.0 - 32.0 * step / span, 0.0, 1.0)
         cut, _ = self._cut(g.slot + 0.6 * bays, g.slot + fans, width, step)
         cut = (
             cut
@@ -149,7 +150,7 @@ class Canyons:
         along = y.value - lean.value + thickening(e, n, step, seed)
         layer = terrace(along, 0.02 + 1.1 * wave7.value, self.rim, seed + 40)
         steep = smoothstep(0.9, 1.7, slope)
-        held = np.clip(2.0 - 2.8 * step * slope / layer.thick, 0.0, 1.0)
+        held = np.clip(2.0 - 2.0 * step * slope / layer.thick, 0.0, 1.0)
         height = y.value + steep * held * layer.rise
         # metres out from the wall: the layer, its beds, and joints and clefts that end where the layer does
         moved = e + layer.number * (5 * 4096.0)
@@ -187,7 +188,7 @@ class Canyons:
         flows = np.clip(2.0 - step / 24.0, 0.0, 1.0)
         height = height + flows * np.minimum(bank - height, 0.0)
 
-        spread = np.hypot(WALL * relief, step) / (WALL * relief)
+        spread = np.hypot(WALL * relief, SPREAD * step) / (WALL * relief)
         # domes are some 0.1 steep, of each octave about the same
         gone = 3.0 - sum(octave_weight(power, step) for power in (8, 7, 6))
         lost = slope**2 * (spread - 1.0) + (2.0 * steep * (1.0 - held)) ** 2 + (0.11 * bare.value) ** 2 * gone
@@ -206,7 +207,10 @@ class Canyons:
         at = width - half - 0.3 * talus
         cliff, slope = (
             _trench(*which)
-            for which in ((wall, width, np.hypot(half, step)), (foot, at, np.hypot(talus, step)))
+            for which in (
+                (wall, width, np.hypot(half, SPREAD * step)),
+                (foot, at, np.hypot(talus, SPREAD * step)),
+            )
         )
         return (1.0 - TALUS) * cliff + TALUS * slope, at - talus
 
