@@ -12,7 +12,6 @@ from . import resources as res
 from .errors import GraphError, translated
 from .mips import MipMaker
 from .native import RenderDescriptor
-from .pipelines import Pipelines
 from .readback import Pending, Readback
 from .resources import BufferDecl, Physical, TextureDecl, view_of
 from .schedule import Ref, Schedule, alias, makers
@@ -45,7 +44,7 @@ class Compiled:
         self._frame = 0
         self._ms = {"record": 0.0, "submit": 0.0}
         self._calls = 0
-        self.pipelines = Pipelines(self.device.native, [p.pipeline for p in plan.passes if p.pipeline])
+        self.pipelines = graph.pipelines
         self._allocate()
         self.timing = Timing(self.device, len(plan.passes))
         self._steps: list[Step] = [p.build(self) for p in plan.passes]

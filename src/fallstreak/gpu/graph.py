@@ -17,7 +17,7 @@ from .compiled import Compiled
 from .declarations import Declarations
 from .device import Device
 from .errors import GraphError
-from .pipelines import ComputeSpec, RenderSpec
+from .pipelines import ComputeSpec, Pipelines, RenderSpec
 from .readback import Pending
 from .schedule import PassDecl, Ref, Schedule, schedule
 from .steps import ComputeStep, Context, CustomStep, RenderStep, Step
@@ -46,6 +46,7 @@ class FrameGraph(Declarations):
         super().__init__()
         self.device = device
         self._passes: list[PassDecl] = []
+        self.pipelines = Pipelines(device.native)
         self.outputs: list[str] = []
         self._compiled: Compiled | None = None
         self.pass_times = False
@@ -247,6 +248,8 @@ class FrameGraph(Declarations):
         if any(p.name == declared.name for p in self._passes):
             raise GraphError(f"pass {declared.name!r} is declared twice")
         self._passes.append(declared)
+        if declared.pipeline is not None:
+            self.pipelines.start(declared.pipeline)
 
     def _shader(
         self, module: str, entries: list[str], flags: Any, constants: Any, structs: Sequence[Struct]
@@ -269,6 +272,7 @@ class FrameGraph(Declarations):
         plan = schedule(self._passes, self.outputs, self.mips)
         self._validate(plan)
         self._compiled = Compiled(self, plan)
+        self.pipelines.close()
         self.sealed = True
 
     def _validate(self, plan: Schedule) -> None:

@@ -6,7 +6,6 @@ Passes that differ only in what they bind share one pipeline, whose shader the d
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -96,22 +95,22 @@ Spec = ComputeSpec | RenderSpec
 
 
 class Pipelines:
-    """The pipelines of a graph, under way from here on.
+    """The pipelines of a graph.
 
     Parameters
     ----------
     device : wgpu device
-    specs : iterable of specs
-        Equal ones are made once.
     """
 
-    def __init__(self, device: Any, specs: Iterable[Spec]):
+    def __init__(self, device: Any):
+        self._device = device
         self._pool = ThreadPoolExecutor(_THREADS, "pipelines")
         self._made: dict[Spec, Future[Any]] = {}
-        for spec in specs:
-            if spec not in self._made:
-                self._made[spec] = self._pool.submit(spec.pipeline, device)
-        self._pool.shutdown(wait=False)
+
+    def start(self, spec: Spec) -> None:
+        """Have one made while the caller goes on; equal ones are made once."""
+        if spec not in self._made:
+            self._made[spec] = self._pool.submit(spec.pipeline, self._device)
 
     def of(self, spec: Spec) -> Any:
         """Wait for one.
@@ -123,3 +122,7 @@ class Pipelines:
         """
         with translated(f"making the pipeline of {spec.name}"):
             return self._made[spec].result()
+
+    def close(self) -> None:
+        """No more will be started."""
+        self._pool.shutdown(wait=False)
