@@ -44,6 +44,8 @@ __all__ = [
 
 for _name in ("height", "normal", "slope", "materials", "ray"):
     queries.register(f"terrain.{_name}", f"fallstreak.terrain.queries:{_name}")
+for _name in ("extinction", "optical_depth", "inside"):
+    queries.register(f"clouds.{_name}", f"fallstreak.clouds.field.queries:{_name}")
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,8 @@
 """How many clouds give the coverage that is asked for: found once for each layer, by looking.
 
 A few random columns of air through a patch of the layer, at several numbers of clouds per cell: the share of
-columns whose optical depth counts as a cloud (`Genus.visible_depth`), and the mean extinction by height. The
-first, turned round, is what cells need; the second is what puffs larger than clouds see.
+columns whose optical depth counts as a cloud (`Genus.visible_depth`), the area of the clouds, and optical depth
+by height. The first, turned round, is what cells need; the others are what puffs larger than clouds see.
 """
 
 from __future__ import annotations
@@ -30,63 +30,69 @@ class Calibration:
     ----------
     knots : (9,)
         Mean number of clouds that a cell needs for the coverages `KNOTS`.
-    profile : (9, 16)
-        Mean extinction at these coverages, 1/m, at the middles of 16 equal parts of `Layer.bounds`.
+    discs : (9,)
+        Area of the clouds' discs over that of the cells.
+    profile : (9, 17)
+        Optical depth below the ends of 16 equal parts of `Layer.bounds`, scaled so that the last is
+        −ln of the mean transmittance of columns.
     """
 
     knots: np.ndarray
+    discs: np.ndarray
     profile: np.ndarray
 
 
 @lru_cache(maxsize=32)
 def calibrate(layer: Layer) -> Calibration:
     """Look how much of the sky numbers of clouds cover; error of the share about .01."""
-    shares, profiles = [0.0], [np.zeros(HEIGHTS)]
+    low, high = layer.bounds
+    patch = _Patch(layer)
+    shares, discs, profiles = [0.0], [0.0], [np.zeros(HEIGHTS + 1)]
     for wanted in _WANTED:
-        extinction = columns(layer, wanted)
-        low, high = layer.bounds
-        depth = extinction.sum(1) * (high - low) / HEIGHTS
-        shares.append(float((depth > layer.genus.visible_depth).mean()))
-        profiles.append(extinction.mean(0))
+        clouds = patch.clouds(wanted)
+        depths = patch.extinction(clouds) * (high - low) / HEIGHTS
+        columns = depths.sum(1)
+        shares.append(float((columns > layer.genus.visible_depth).mean()))
+        discs.append(
+            float((clouds["formation"] * clouds["radius"] ** 2).mean()) * 0.5 * np.pi / layer.cell**2
+        )
+        below = np.concatenate([[0.0], np.cumsum(depths.mean(0))])
+        profiles.append(below * -np.log(np.exp(-columns).mean()) / max(below[-1], 1e-9))
     # equal shares where more clouds change nothing: the fewest count
     rising = np.maximum.accumulate(shares) + 1e-6 * np.arange(len(shares))
-    goal = np.minimum(KNOTS, 0.995)
-    knots = np.interp(goal, rising, (0.0, *_WANTED))
-    table = np.array([np.interp(knots, (0.0, *_WANTED), column) for column in np.transpose(profiles)]).T
-    return Calibration(knots, table)
+    grid = (0.0, *_WANTED)
+    knots = np.interp(np.minimum(KNOTS, 0.995), rising, grid)
+    area = np.interp(knots, grid, discs) + 1e-4 * np.arange(len(KNOTS))
+    profile = np.stack([np.interp(knots, grid, column) for column in np.transpose(profiles)], 1)
+    return Calibration(knots, area, profile)
 
 
-def columns(layer: Layer, wanted: float, side: int = _SIDE) -> np.ndarray:
-    """Extinction in one random column of each cell of a square of cells.
+class _Patch:
+    """A square of cells with one random column of air in each."""
 
-    Parameters
-    ----------
-    wanted : float
-        Mean number of clouds of a cell.
+    def __init__(self, layer: Layer):
+        self.layer = replace(layer, wind=(0.0, 0.0))
+        self.packed = pack(layer.models)
+        across = _SIDE + 2
+        i, j = np.meshgrid(np.arange(across), np.arange(across))
+        self.cells = np.stack([i.ravel(), j.ravel()], 1) - 1
+        x, y = (a.ravel() for a in np.meshgrid(np.arange(_SIDE), np.arange(_SIDE)))
+        steps = (np.arange(-1, 2)[:, None] * across + np.arange(-1, 2)).ravel()
+        self.rows = np.repeat(((y + 1) * across + x + 1)[:, None] + steps, HEIGHTS, 0)
+        random = np.random.default_rng(layer.seed)
+        places = (np.stack([x, y], 1) + random.uniform(size=(_SIDE * _SIDE, 2))) * layer.cell
+        low, high = layer.bounds
+        heights = low + (np.arange(HEIGHTS) + 0.5) * (high - low) / HEIGHTS
+        self.points = np.column_stack([np.repeat(places, HEIGHTS, 0), np.tile(heights, len(places))])
+        self.noise = density.noise_at(self.layer, self.points, 0.0)
 
-    Returns
-    -------
-    (side², 16), 1/m
-        At the middles of equal parts of the layer's heights.
-    """
-    random = np.random.default_rng(layer.seed & 0xFFFF)
-    packed = pack(layer.models)
-    still = replace(layer, wind=(0.0, 0.0))
-    across = side + 2
-    i, j = np.meshgrid(np.arange(across), np.arange(across))
-    cells = np.stack([i.ravel(), j.ravel()], 1) - 1
-    clouds = clouds_of(still, cells, 0.0, np.full(len(cells), wanted))
-    x, y = (a.ravel() for a in np.meshgrid(np.arange(side), np.arange(side)))
-    steps = (np.arange(-1, 2)[:, None] * across + np.arange(-1, 2)).ravel()
-    rows = ((y + 1) * across + x + 1)[:, None] + steps
-    place = (np.stack([x, y], 1) + random.uniform(size=(side * side, 2))) * layer.cell
-    low, high = layer.bounds
-    height = low + (np.arange(HEIGHTS) + 0.5) * (high - low) / HEIGHTS
-    points = np.column_stack([np.repeat(place, HEIGHTS, 0), np.tile(height, len(place))])
-    pairs = np.repeat(rows, HEIGHTS, 0)
-    field, water = density.gathered(still, packed.boxes, packed.models, clouds, pairs, points)
-    out = np.zeros(len(points))
-    at = np.flatnonzero(field > 0.0)
-    noise = density.noise_at(still, points[at], 0.0)
-    out[at] = water[at] / field[at] * density.eaten(still, field[at], noise)
-    return out.reshape(len(place), HEIGHTS)
+    def clouds(self, wanted: float) -> np.ndarray:
+        """The patch's clouds where cells have so many on average."""
+        return clouds_of(self.layer, self.cells, 0.0, np.full(len(self.cells), wanted))
+
+    def extinction(self, clouds: np.ndarray) -> np.ndarray:
+        """(columns, 16), 1/m, at the middles of equal parts of the layer's heights."""
+        boxes, models = self.packed.boxes, self.packed.models
+        field, water = density.gathered(self.layer, boxes, models, clouds, self.rows, self.points)
+        full = density.eaten(self.layer, field, self.noise)
+        return (water / np.maximum(field, 1e-12) * full).reshape(-1, HEIGHTS)

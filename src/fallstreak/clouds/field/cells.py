@@ -100,11 +100,12 @@ def needed(knots: np.ndarray, coverage: np.ndarray) -> np.ndarray:
     return np.interp(coverage, KNOTS, knots)
 
 
-def patchy(layer: Layer, cells: np.ndarray, coverage: np.ndarray) -> np.ndarray:
-    """Coverage of the patches in which cells lie, about the layer's own."""
-    x, y = ((cells + 0.5) / PATCH).T
+def patchy(layer: Layer, places: np.ndarray, coverage: np.ndarray, strength: float = 1.0) -> np.ndarray:
+    """Coverage of the patches at places of the lattice (n, 2), in cells, about a mean."""
+    x, y = (places / PATCH).T
     v = patterns.value(x, y, layer.seed)
-    return np.clip(coverage + layer.clustering * 4.0 * coverage * (1.0 - coverage) * v, 0.0, 1.0)
+    swing = strength * layer.clustering * 4.0 * coverage * (1.0 - coverage)
+    return np.clip(coverage + swing * v, 0.0, 1.0)
 
 
 def clouds_of(layer: Layer, cells: np.ndarray, time: float, wanted: np.ndarray, first: int = 0) -> np.ndarray:

@@ -52,7 +52,7 @@ class Field:
         """The clouds of cells (n, 2) of a layer, (n,) of `cells.CLOUD`."""
         layer = self.layers[index]
         middle = (np.asarray(cells) + 0.5) * layer.cell + np.asarray(layer.wind) * time
-        asked = patchy(layer, cells, self.coverage(index, middle[:, 0], middle[:, 1]))
+        asked = patchy(layer, np.asarray(cells) + 0.5, self.coverage(index, middle[:, 0], middle[:, 1]))
         wanted = needed(self.calibrations[index].knots, asked)
         return clouds_of(layer, cells, time, wanted, self.first[index])
 
@@ -71,19 +71,26 @@ class Field:
         out = np.zeros(len(points))
         low, high = layer.bounds
         at = np.flatnonzero((points[:, 2] > low) & (points[:, 2] < high))
-        if not len(at):
-            return out
-        cells = np.floor((points[at, :2] - np.asarray(layer.wind) * time) / layer.cell).astype(np.int64)
-        around, pairs = neighbours(cells)
-        clouds = self.clouds(index, around, time)
-        field, water = density.gathered(
-            layer, self.packed.boxes, self.packed.models, clouds, pairs, points[at]
-        )
-        cloudy = np.flatnonzero(field > 0.0)
-        at, field, water = at[cloudy], field[cloudy], water[cloudy]
-        noise = density.noise_at(layer, points[at], time)
-        out[at] = water / field * density.eaten(layer, field, noise)
+        if len(at):
+            field, water = self.gathered(index, points[at], time)
+            cloudy = np.flatnonzero(field > 0.0)
+            at, field, water = at[cloudy], field[cloudy], water[cloudy]
+            noise = density.noise_at(layer, points[at], time)
+            out[at] = water / field * density.eaten(layer, field, noise)
         return out
+
+    def gathered(self, index: int, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """A layer's field at places, before noise, and the same weighted by extinction."""
+        clouds, pairs = self.around(index, points, time)
+        boxes, models = self.packed.boxes, self.packed.models
+        return density.gathered(self.layers[index], boxes, models, clouds, pairs, points)
+
+    def around(self, index: int, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Clouds (m,) of the cells around places (n, 3), and the nine rows of them for each (n, 9)."""
+        layer = self.layers[index]
+        drifting = points[:, :2] - np.asarray(layer.wind) * time
+        cells, rows = neighbours(np.floor(drifting / layer.cell).astype(np.int64))
+        return self.clouds(index, cells, time), rows
 
 
 def neighbours(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""The field on the GPU: the pass that makes the clouds about the camera, and what shaders bind to look into it."""
+"""The field on the GPU: the pass that makes the clouds about the camera, and what shaders bind to see them."""
 
 from __future__ import annotations
 
@@ -133,6 +133,8 @@ class FieldPasses:
             out["noise"][i] = genus.amplitude, genus.edge, genus.shear, layer.body
             out["look"][i] = genus.look
             out["knots_low"][i], out["knots_high"][i] = knots[1:5], knots[5:]
+            discs = field.calibrations[i].discs
+            out["discs_low"][i], out["discs_high"][i] = discs[1:5], discs[5:]
         return out
 
 

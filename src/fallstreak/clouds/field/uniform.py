@@ -8,7 +8,7 @@ LAYERS = 8
 KNOTS = (0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95, 1.0)
 """Coverages at which a layer is calibrated."""
 HEIGHTS = 16
-"""Heights of a layer at which its mean extinction is known."""
+"""Equal parts of a layer's heights whose mean extinction is known."""
 
 CLOUD_FIELD = Struct(
     "CloudField",
@@ -28,5 +28,7 @@ CLOUD_FIELD = Struct(
         ("map", "array<vec4f, 8>", "camera on the coverage map, 0..1 (x, y); 1/m (z, w)"),
         ("knots_low", "array<vec4f, 8>", "clouds needed at knots 1 to 4 of the calibration"),
         ("knots_high", "array<vec4f, 8>", "and at knots 5 to 8"),
+        ("discs_low", "array<vec4f, 8>", "area of clouds over that of cells at knots 1 to 4"),
+        ("discs_high", "array<vec4f, 8>", "and at knots 5 to 8"),
     ],
 )

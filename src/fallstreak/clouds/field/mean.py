@@ -1,0 +1,113 @@
+"""Extinction of blobs, as puffs of all sizes stand for them: float64 twin of ``mean.wesl``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import density
+from .cells import patchy
+from .model import Field
+from .uniform import HEIGHTS, KNOTS
+
+LEAST = 1e-20
+"""Transmittance: whatever lets less through is as black."""
+
+
+def mean_extinction(field: Field, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """What lets the same light through as the clouds in a blob do on average.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        East, north, height, m.
+    size : float
+        Diameter of the blobs, m.
+    time : float
+        s since the scene's start.
+
+    Returns
+    -------
+    (n,)
+        1/m. Against the mean transmittance of lines through the field across a blob, see
+        ``tests/clouds/test_field_mean.py``.
+    """
+    return sum(
+        (_layer_mean(field, index, points, size, time) for index in range(len(field.layers))),
+        np.zeros(len(points)),
+    )
+
+
+def _layer_mean(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    layer = field.layers[index]
+    low, high = layer.bounds
+    out = np.zeros(len(points))
+    at = np.flatnonzero((points[:, 2] + 0.5 * size > low) & (points[:, 2] - 0.5 * size < high))
+    if not len(at):
+        return out
+    blurred = _smooth(0.5 * layer.body, 1.5 * layer.body, size)
+    if blurred < 1.0:
+        out[at] += (1.0 - blurred) * _soft(field, index, points[at], size, time)
+    if blurred > 0.0:
+        out[at] += blurred * _statistical(field, index, points[at], size, time)
+    return out
+
+
+def _soft(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """The field with edges as soft as the blob is large."""
+    layer = field.layers[index]
+    value, water = field.gathered(index, points, time)
+    amplitude = layer.genus.amplitude * np.clip(1.5 - size / (0.25 * layer.tile), 0.0, 1.0)
+    noise = density.noise_at(layer, points, time)
+    eaten = value + amplitude * (noise - 0.5) * np.minimum(4.0 * value, 1.0)
+    soft = min(0.5 * size / layer.body, density.SURFACE)
+    part = _smooth(density.SURFACE - soft, density.SURFACE + layer.genus.edge + soft, eaten)
+    extinction = water / np.maximum(value, 1e-12)
+    through = np.maximum(1.0 - part + part * np.exp(-extinction * size), LEAST)
+    return np.where(value > 0.0, -np.log(through) / size, 0.0)
+
+
+def _statistical(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """By the layer's calibration at the coverage around."""
+    layer, found = field.layers[index], field.calibrations[index]
+    wide = _smooth(0.7 * layer.cell, 1.6 * layer.cell, size)
+    coverage = np.zeros(len(points))
+    if wide > 0.0:
+        places = (points[:, :2] - np.asarray(layer.wind) * time) / layer.cell
+        seen = 1.0 - _smooth(3.0 * layer.cell, 15.0 * layer.cell, size)
+        asked = field.coverage(index, points[:, 0], points[:, 1])
+        coverage += wide * patchy(layer, places, asked, float(seen))
+    if wide < 1.0:
+        area = _discs(field, index, points, size, time)
+        coverage += (1.0 - wide) * np.interp(area, found.discs, KNOTS)
+    knot = np.interp(coverage, KNOTS, np.arange(len(KNOTS)))
+    top, bottom = (_depth_below(field, index, knot, points[:, 2] + h) for h in (0.5 * size, -0.5 * size))
+    return (top - bottom) / size
+
+
+def _discs(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """Area of the clouds around over that of their places; the blob's size blurs their discs."""
+    clouds, rows = field.around(index, points, time)
+    near = clouds[rows]
+    way = points[:, None, :2] - near["place"]
+    own = 0.5 * near["radius"] ** 2
+    wide = own + 0.25 * size * size
+    k = np.maximum(1.0 - 0.5 * (way * way).sum(-1) / wide, 0.0)
+    return (1.5 * near["formation"] * own / wide * k * k).sum(1)
+
+
+def _depth_below(field: Field, index: int, knot: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Optical depth of a layer below heights, by calibration."""
+    low, high = field.layers[index].bounds
+    profile = field.calibrations[index].profile
+    row = np.minimum(knot.astype(np.int64), len(KNOTS) - 2)
+    place = np.clip((height - low) / (high - low), 0.0, 1.0) * HEIGHTS
+    part = np.minimum(place.astype(np.int64), HEIGHTS - 1)
+    f, g = place - part, knot - row
+    below = profile[row, part] + f * (profile[row, part + 1] - profile[row, part])
+    above = profile[row + 1, part] + f * (profile[row + 1, part + 1] - profile[row + 1, part])
+    return below + g * (above - below)
+
+
+def _smooth(low: float, high: float, x: float | np.ndarray) -> np.ndarray:
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
