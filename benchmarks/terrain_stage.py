@@ -58,8 +58,8 @@ class Stage:
         self.graph.compile()
         self.model = self.terrain.model
 
-    def pose(self, east, north, height, heading, pitch, above=True):
-        """State of a camera, degrees and metres."""
+    def pose(self, east, north, height, heading, pitch, above=True, fov=45.0):
+        """State of a camera, degrees and metres; `fov` is its vertical field of view."""
         from fallstreak.world.state import (
             CameraState,
             FrameState,
@@ -74,7 +74,7 @@ class Stage:
         axes = local_axes(east, north, radius)
         rotation = camera_rotation(np.radians(heading), np.radians(pitch), 0.0, axes)
         place = position_on_planet(east, north, height, radius)
-        camera = CameraState(place, rotation, np.radians(45.0))
+        camera = CameraState(place, rotation, np.radians(fov))
         now = datetime(2025, 10, 18, tzinfo=UTC)
         return FrameState(0, 0.0, now, 0.0, self.world.seed, self.size, radius, camera, camera)
 
