@@ -10,11 +10,11 @@ from .cover import Covers, Sites
 
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
-GRANITE, LICHEN = np.array([0.165, 0.162, 0.160]), np.array([0.098, 0.098, 0.090])
-SCREE, GRAVEL = np.array([0.270, 0.266, 0.258]), np.array([0.240, 0.228, 0.205])
+GRANITE, LICHEN = np.array([0.208, 0.197, 0.184]), np.array([0.078, 0.075, 0.071])
+SCREE, GRAVEL = np.array([0.300, 0.290, 0.274]), np.array([0.240, 0.228, 0.205])
 TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.078, 0.076, 0.037])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
-BED = 230.0  # m, from one bed of rock to the next
+BED, LAYER = 230.0, 47.0  # m, from one bed of rock to the next, and of thinner ones
 TREE_LINE, TURF_LINE = 2050.0, 2900.0
 
 
@@ -39,6 +39,9 @@ def cover(site: Sites) -> Covers:
     told = np.clip(2.0 - 2.0 * step * np.minimum(slope, 4.0) / BED, 0.0, 1.0)
     turns = height / BED + 2.2 * wide + 2.0 * broad + 0.7 * middle
     beds = told * np.sin(2.0 * np.pi * (turns - np.floor(turns)))
+    seen = np.clip(2.0 - 4.0 * step * np.minimum(slope, 4.0) / LAYER, 0.0, 1.0)
+    turns = height / LAYER + 4.0 * wide + 1.5 * middle + 0.4 * small
+    layers = seen * np.sin(2.0 * np.pi * (turns - np.floor(turns)))
 
     high = (height - TREE_LINE) / 1000.0
     rough = uneven + 0.02 * lost_middle + 0.04 * lost_small + 0.09 * (lost_fine + lost_grit)
@@ -49,8 +52,8 @@ def cover(site: Sites) -> Covers:
         + 0.3 * fine
         + 0.3 * grit
         + 0.2 * np.maximum(high, 0.0)
-        - 0.28 * site.hollow
-        + 0.12 * beds
+        - 0.4 * site.hollow
+        + 0.15 * beds
     )
     rock = threshold(value, 0.92, 0.20, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
@@ -87,10 +90,11 @@ def cover(site: Sites) -> Covers:
     shares = (rock, rubble, turf, meadow, trees, stones)
 
     tone = (1.0 + 0.3 * middle + 0.3 * small + 0.4 * fine + 0.4 * grit + 0.3 * crack)[..., None]
-    stain = threshold(middle + small + fine, 0.1, 0.2, lost_middle + lost_small + lost_fine) * (
-        1.0 - 0.4 * barren
-    )
-    stone = _mix(GRANITE, LICHEN, 0.7 * stain) * (tone + (0.13 * beds + 0.4 * wide)[..., None])
+    value = 0.5 * (wide + middle + small + fine) + 0.3 * beds + 0.3 * layers
+    rough = 0.25 * (lost_wide + lost_middle + lost_small + lost_fine)
+    rough = rough + 0.045 * (1.0 - told * told) + 0.045 * (1.0 - seen * seen)
+    stain = threshold(value, 0.0, 0.12, rough)
+    stone = _mix(GRANITE, LICHEN, stain) * tone
     sward = _mix(TURF, HEATH, heath) * (1.0 + 0.3 * (small + fine))[..., None]
     tint = rock[..., None] * stone + rubble[..., None] * (SCREE * tone)
     tint = tint + turf[..., None] * sward + stones[..., None] * GRAVEL
