@@ -124,8 +124,8 @@ def test_what_lasts_is_made_when_it_is_first_read(device):
     assert ran[2:] == ["first", "second", "reader", "always", "reader", "always"]
 
 
-def test_equal_pipelines_are_made_once(device, monkeypatch):
-    made = []
+def test_equal_pipelines_are_made_once(monkeypatch):
+    device, made = Device.open(), []
     make = device.native.create_compute_pipeline
     monkeypatch.setattr(
         device.native, "create_compute_pipeline", lambda **options: made.append(1) or make(**options)

@@ -21,6 +21,7 @@ import numpy as np
 
 from fallstreak.gpu import VIEW, Device, DeviceLostError, FrameGraph, GpuError, Pending
 from fallstreak.models.poses import PlacedModels
+from fallstreak.sky.passes import rehearse
 from fallstreak.terrain.model import terrain_model
 from fallstreak.world.quality import QUALITY, Quality
 from fallstreak.world.state import (
@@ -141,10 +142,12 @@ class Renderer:
         """Let `stats` have the time of every pass; see `FrameGraph.pass_times`."""
         self.models = PlacedModels(world)
         """The world's models by name, to be moved between frames."""
-        # The ground's model takes a second or two, much of it in NumPy; meanwhile the device opens.
+        # The ground's model takes a second or two, much of it in NumPy: meanwhile the device opens and
+        # begins to compile.
         with ThreadPoolExecutor(1) as beside:
             ground = beside.submit(terrain_model, world)
             self.device = Device.open(adapter)
+            rehearse(self.device, world, self.quality)
             ground.result()
         self._build()
 

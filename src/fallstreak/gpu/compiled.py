@@ -44,7 +44,6 @@ class Compiled:
         self._frame = 0
         self._ms = {"record": 0.0, "submit": 0.0}
         self._calls = 0
-        self.pipelines = graph.pipelines
         self._allocate()
         self.timing = Timing(self.device, len(plan.passes))
         self._steps: list[Step] = [p.build(self) for p in plan.passes]

@@ -11,6 +11,7 @@ from typing import Any
 from .adapters import CAPABILITIES, LIMITS, AdapterInfo, choose
 from .errors import GpuError, translated
 from .formats import texel_bytes
+from .pipelines import Pipelines
 from .shader import Shaders
 
 _SAMPLERS = {
@@ -43,6 +44,7 @@ class Device:
         self.why = why
         self.limits = dict(LIMITS)
         self.capabilities = frozenset(c for c in CAPABILITIES if c in native.features)
+        self.pipelines = Pipelines(native)
         self.shaders = Shaders(native, software=adapter.kind == "CPU")
         self.texture_bytes = 0
         self.buffer_bytes = 0

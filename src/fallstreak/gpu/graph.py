@@ -17,7 +17,7 @@ from .compiled import Compiled
 from .declarations import Declarations
 from .device import Device
 from .errors import GraphError
-from .pipelines import ComputeSpec, Pipelines, RenderSpec
+from .pipelines import ComputeSpec, RenderSpec
 from .readback import Pending
 from .schedule import PassDecl, Ref, Schedule, schedule
 from .steps import ComputeStep, Context, CustomStep, RenderStep, Step
@@ -46,7 +46,6 @@ class FrameGraph(Declarations):
         super().__init__()
         self.device = device
         self._passes: list[PassDecl] = []
-        self.pipelines = Pipelines(device.native)
         self.outputs: list[str] = []
         self._compiled: Compiled | None = None
         self.pass_times = False
@@ -96,7 +95,7 @@ class FrameGraph(Declarations):
         spec = ComputeSpec(name, native, entry)
 
         def build(made: Compiled) -> Step:
-            pipeline = made.pipelines.of(spec)
+            pipeline = made.device.pipelines.of(spec)
             indirect = None
             fixed = groups
             if isinstance(groups, str):
@@ -185,7 +184,7 @@ class FrameGraph(Declarations):
         )
 
         def build(made: Compiled) -> Step:
-            pipeline = made.pipelines.of(spec)
+            pipeline = made.device.pipelines.of(spec)
             return RenderStep(
                 name,
                 pipeline,
@@ -249,7 +248,7 @@ class FrameGraph(Declarations):
             raise GraphError(f"pass {declared.name!r} is declared twice")
         self._passes.append(declared)
         if declared.pipeline is not None:
-            self.pipelines.start(declared.pipeline)
+            self.device.pipelines.start(declared.pipeline)
 
     def _shader(
         self, module: str, entries: list[str], flags: Any, constants: Any, structs: Sequence[Struct]
@@ -272,7 +271,7 @@ class FrameGraph(Declarations):
         plan = schedule(self._passes, self.outputs, self.mips)
         self._validate(plan)
         self._compiled = Compiled(self, plan)
-        self.pipelines.close()
+        self.device.pipelines.rest()
         self.sealed = True
 
     def _validate(self, plan: Schedule) -> None:

@@ -95,25 +95,26 @@ Spec = ComputeSpec | RenderSpec
 
 
 class Pipelines:
-    """The pipelines of a graph.
+    """The pipelines of a device, kept as long as it lives.
 
     Parameters
     ----------
-    device : wgpu device
+    native : wgpu device
     """
 
-    def __init__(self, device: Any):
-        self._device = device
-        self._pool = ThreadPoolExecutor(_THREADS, "pipelines")
+    def __init__(self, native: Any):
+        self._native = native
+        self._pool: ThreadPoolExecutor | None = None
         self._made: dict[Spec, Future[Any]] = {}
 
     def start(self, spec: Spec) -> None:
         """Have one made while the caller goes on; equal ones are made once."""
         if spec not in self._made:
-            self._made[spec] = self._pool.submit(spec.pipeline, self._device)
+            self._pool = self._pool or ThreadPoolExecutor(_THREADS, "pipelines")
+            self._made[spec] = self._pool.submit(spec.pipeline, self._native)
 
     def of(self, spec: Spec) -> Any:
-        """Wait for one.
+        """Wait for one that was started.
 
         Raises
         ------
@@ -123,6 +124,8 @@ class Pipelines:
         with translated(f"making the pipeline of {spec.name}"):
             return self._made[spec].result()
 
-    def close(self) -> None:
-        """No more will be started."""
-        self._pool.shutdown(wait=False)
+    def rest(self) -> None:
+        """Let the threads go until there is more to start."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=False)
+            self._pool = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fallstreak.gpu import EXPOSURE, Device, FrameGraph
+from fallstreak.gpu import EXPOSURE, VIEW, Device, FrameGraph
 
 from .air import AIR, Air
 from .celestial_passes import Celestial
@@ -101,6 +101,23 @@ class Sky:
         moon = values["moon_illuminance"]
         # lookup.wesl's question, a little earlier, so that no frame reads a table that was not made
         self._moon_matters = float(moon[1]) * float(values["table_scale"]) > 0.9e-4
+
+
+def rehearse(device: Device, world: World, quality: Quality) -> None:
+    """Have the sky's tables made once for nothing, without waiting for them.
+
+    Some drivers compile a shader when it first runs, on one core; so they begin with these while other things
+    are prepared. The tables have the sizes that `Sky` gives them, and its pipelines are these.
+    """
+    graph = FrameGraph(device)
+    graph.uniform("view", VIEW)
+    graph.uniform("sky.light", LIGHT)
+    graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
+    _still_tables(graph, quality)
+    _frame_tables(graph, quality, _never)
+    graph.output("sky.view_table", "sky.aerial_inscatter", "sky.irradiance")
+    graph.compile()
+    graph.execute()
 
 
 def _never() -> bool:
