@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fallstreak as fs
-from fallstreak.terrain.land.shape import LandShape, plain_shape
+from fallstreak.terrain.land.shape import NO_WATER, LandShape
 from fallstreak.terrain.model import TerrainModel, terrain_model
 from fallstreak.terrain.near import NearGround
 
@@ -21,7 +21,8 @@ class Wall:
 
     def shape(self, east, north, step) -> LandShape:
         e, _, _ = np.broadcast_arrays(east, north, step)
-        return plain_shape(np.where(e < 0.0, 300.0, 0.0))
+        zero = np.zeros(e.shape)
+        return LandShape(np.where(e < 0.0, 300.0, 0.0), zero + NO_WATER, zero, zero, zero, zero + 1.0)
 
 
 def test_level_ground_is_as_far_as_it_is_low():

@@ -75,9 +75,3 @@ class LandModel(Protocol):
     def shape(self, east: np.ndarray, north: np.ndarray, step: np.ndarray | float) -> LandShape:
         """The land at places (m) as a mesh with `step` metres between vertices can carry it."""
         ...
-
-
-def plain_shape(height: np.ndarray) -> LandShape:
-    """Ground without water, shift or walls."""
-    zero = np.zeros_like(height)
-    return LandShape(height, zero + NO_WATER, zero, zero, zero, zero + 1.0)
