@@ -27,6 +27,8 @@ CLOUD = np.dtype(
         ("top", "<f4"),
         ("model", "<u4"),
         ("seed", "<u4"),
+        ("swell", "<f4"),
+        ("spare", "<f4", 3),
     ]
 )
 

@@ -134,13 +134,13 @@ GENERA: dict[str, Genus] = {
         clustering=0.3, stretch=2.0, amplitude=0.42, edge=0.5, look=(0.0, 1.0, 0.0, 0.0), aligned=0.7,
     ),
     "cirrus": Genus(
-        base=8500.0, thickness=1300.0, water=0.012, drop=30.0, cell=15e3, radius=(5500.0, 10e3),
+        base=8500.0, thickness=1300.0, water=0.025, drop=28.0, cell=11e3, radius=(5500.0, 10e3),
         height=(0.7, 1.2), lifetime=7200.0, wind=32.0, tile=4200.0, ice=True, base_spread=500.0,
         soft=500.0, clustering=0.6, stretch=7.0, shear=4.0, amplitude=0.75, edge=0.9,
         look=(0.0, 0.4, 0.0, 0.6), aligned=0.93,
     ),
     "cirrocumulus": Genus(
-        base=8000.0, thickness=280.0, water=0.02, drop=20.0, cell=2100.0, radius=(1400.0, 2400.0),
+        base=8000.0, thickness=280.0, water=0.04, drop=18.0, cell=2100.0, radius=(1400.0, 2400.0),
         height=(0.8, 1.15), lifetime=2400.0, wind=28.0, tile=1700.0, ice=True, base_spread=60.0, soft=80.0,
         clustering=0.7, amplitude=0.55, edge=0.4, look=(0.6, 0.0, 0.4, 0.0), aligned=0.8,
     ),

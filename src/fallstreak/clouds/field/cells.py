@@ -15,6 +15,7 @@ import numpy as np
 
 from ...noise import patterns
 from ...noise.hashing import SCRAMBLE, axis_words
+from ..shapes import SWELL
 from .layers import Layer
 from .uniform import KNOTS
 
@@ -39,6 +40,7 @@ CLOUD = np.dtype(
         ("top", np.float64),
         ("model", np.int64),
         ("seed", np.uint32),
+        ("swell", np.float64),
     ]
 )
 """As ``cloud.wesl`` has it, but for `place`: m on the map, east and north."""
@@ -146,7 +148,8 @@ def clouds_of(layer: Layer, cells: np.ndarray, time: float, wanted: np.ndarray, 
     which = np.minimum((number(seed, 7) * len(layer.models)).astype(np.int64), len(layer.models) - 1)
     bound = np.array([(m.radius, m.height, m.reach, m.top) for m in layer.models])[which]
     large = number(seed, 4) ** 2
-    room = (1.5 - jitter) * layer.cell / OUTER
+    swell = layer.gap * (1.0 - 1.0 / spread)
+    room = (1.5 - jitter) * layer.cell / (OUTER * (1.0 + SWELL * swell))
     radius = np.minimum(_mix(*layer.radius, large) * grown, room)
     height = _mix(*layer.height, 0.6 * large + 0.4 * number(seed, 5))
 
@@ -158,7 +161,8 @@ def clouds_of(layer: Layer, cells: np.ndarray, time: float, wanted: np.ndarray, 
     out["scale"] = scale * _mix(0.55, 1.0, formation)[:, None]
     out["formation"] = formation
     out["extinction"] = layer.extinction * (0.85 + 0.3 * number(seed, 8))
-    out["radius"] = bound[:, 2] * out["scale"][:, 0]
+    out["swell"] = swell * bound[:, 0]
+    out["radius"] = (bound[:, 2] + SWELL * np.sqrt(2.0) * out["swell"]) * out["scale"][:, 0]
     out["top"] = out["base"] + bound[:, 3] * out["scale"][:, 1]
     out["model"] = first + which
     out["seed"] = _mixed(seed, 9)

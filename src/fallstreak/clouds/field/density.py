@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..shapes import SWELL
 from . import volume
 from .layers import FINER, Layer
 
-SWELL = 1.15
 SURFACE = 0.25
 _CHUNK = 1 << 20  # pairs of places and boxes at a time
 
@@ -57,7 +57,7 @@ def gathered(
         for model in np.unique(cloud["model"]):
             of_model = np.flatnonzero(cloud["model"] == model)
             first, count = models[model]["first"][:2]
-            k = _boxes(boxes[first : first + count], place[of_model])
+            k = _boxes(boxes[first : first + count], place[of_model], cloud["swell"][of_model])
             where = at[of_model]
             field[where] += k.sum(1) * weight[of_model]
             dense = k @ boxes[first : first + count]["density"].astype(float)
@@ -65,7 +65,7 @@ def gathered(
     return field, water
 
 
-def _boxes(boxes: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _boxes(boxes: np.ndarray, places: np.ndarray, swell: np.ndarray) -> np.ndarray:
     """The field of each box at places in the model's space, (n, boxes)."""
     out = np.empty((len(places), len(boxes)))
     rows = max(_CHUNK // max(len(boxes), 1), 1)
@@ -73,8 +73,9 @@ def _boxes(boxes: np.ndarray, places: np.ndarray) -> np.ndarray:
     size = SWELL * boxes["half"].astype(float)
     for start in range(0, len(places), rows):
         v = places[start : start + rows, None] - boxes["centre"]
-        x = (c * v[..., 0] + s * v[..., 1]) / size[:, 0]
-        y = (c * v[..., 1] - s * v[..., 0]) / size[:, 1]
+        wider = SWELL * swell[start : start + rows, None]
+        x = (c * v[..., 0] + s * v[..., 1]) / (size[:, 0] + wider)
+        y = (c * v[..., 1] - s * v[..., 0]) / (size[:, 1] + wider)
         z = v[..., 2] / size[:, 2]
         k = np.maximum(1.0 - 0.5 * (x * x + y * y + z * z), 0.0)
         out[start : start + rows] = k * k

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, radians, sin
 from typing import Any
 
+import numpy as np
+
 from ...noise.hashing import octave_seed
 from ..genera import GENERA, Genus
-from ..shapes import CloudModel
+from ..shapes import SWELL, CloudModel
 
 SEED = 0x5C10D5  # clouds have nothing to do with what else follows from the world's seed
+CLOSED = 0.85
+"""Part of its circle that a closed cloud fills."""
 FINER = 4.3
 """The fine noise over the coarse."""
 
@@ -40,6 +45,8 @@ class Layer:
         s; 0: for ever.
     tile : float
         m, see `Genus`.
+    gap : float
+        By how much boxes must widen for a cloud to be closed, over its radius.
     """
 
     genus: Genus
@@ -58,6 +65,7 @@ class Layer:
     towards: float
     lifetime: float
     tile: float
+    gap: float
 
     @classmethod
     def of(cls, world: Any, index: int, models: tuple[CloudModel, ...]) -> Layer:
@@ -85,6 +93,7 @@ class Layer:
             towards=towards,
             lifetime=_or(given.lifetime, usual.lifetime),
             tile=usual.tile * given.size,
+            gap=sum(gap_of(model) for model in models) / len(models),
         )
 
     @property
@@ -101,6 +110,37 @@ class Layer:
         large = 1.0 / 3.0  # mean of a square of a random number
         radius = self.radius[0] + large * (self.radius[1] - self.radius[0])
         return radius * sum(parts) / len(parts)
+
+
+@lru_cache(maxsize=128)
+def gap_of(model: CloudModel) -> float:
+    """By how much a model's boxes must widen to fill `CLOSED` of its circle, over its radius.
+
+    Seen from above, heights left aside; found by bisection.
+    """
+    side = np.linspace(-1.0, 1.0, 49) * model.radius
+    east, north = (a.ravel() for a in np.meshgrid(side, side))
+    within = np.hypot(east, north) < model.radius
+    places = np.stack([east[within], north[within]], 1)
+    low, high = 0.0, 1.0
+    for _ in range(7):
+        middle = 0.5 * (low + high)
+        if _filled(model, places, middle * model.radius) < CLOSED:
+            low = middle
+        else:
+            high = middle
+    return 0.0 if low == 0.0 else high
+
+
+def _filled(model: CloudModel, places: np.ndarray, wider: float) -> float:
+    boxes = model.boxes
+    v = places[:, None] - boxes["centre"][:, :2]
+    c, s = boxes["cosine"], boxes["sine"]
+    size = SWELL * (boxes["half"][:, :2] + wider)
+    x = (c * v[..., 0] + s * v[..., 1]) / size[:, 0]
+    y = (c * v[..., 1] - s * v[..., 0]) / size[:, 1]
+    k = np.maximum(1.0 - 0.5 * (x * x + y * y), 0.0) ** 2
+    return float((k.sum(1) > 0.25).mean())
 
 
 def _or(given: float | None, usual: float) -> float:

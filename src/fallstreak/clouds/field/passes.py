@@ -14,7 +14,7 @@ from .cells import Age
 from .density import noise_axes
 from .layers import FINER
 from .model import Field
-from .uniform import CLOUD_FIELD, LAYERS
+from .uniform import CLOUD_BYTES, CLOUD_FIELD, LAYERS
 
 if TYPE_CHECKING:
     from ...world.quality import Quality
@@ -47,7 +47,7 @@ class FieldPasses:
         self.field = field
         self.window = quality.cloud_cells
         count = len(field.layers)
-        graph.buffer("clouds.cells", count * self.window**2 * 48)
+        graph.buffer("clouds.cells", count * self.window**2 * CLOUD_BYTES)
         graph.buffer_data("clouds.boxes", field.packed.boxes)
         graph.buffer_data("clouds.models", field.packed.models)
         profiles = np.stack([c.profile for c in field.calibrations]).astype(np.float32)
@@ -132,6 +132,7 @@ class FieldPasses:
             out["axes"][i] = *way, np.hypot(*along), np.hypot(*across)
             out["noise"][i] = genus.amplitude, genus.edge, genus.shear, layer.body
             out["look"][i] = genus.look
+            out["widening"][i, 0] = layer.gap
             out["knots_low"][i], out["knots_high"][i] = knots[1:5], knots[5:]
             discs = field.calibrations[i].discs
             out["discs_low"][i], out["discs_high"][i] = discs[1:5], discs[5:]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from ...gpu import Struct
 
 LAYERS = 8
+CLOUD_BYTES = 64
+"""Of a record in ``clouds.cells``, see ``cloud.wesl``."""
 KNOTS = (0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95, 1.0)
 """Coverages at which a layer is calibrated."""
 HEIGHTS = 16
@@ -25,6 +27,7 @@ CLOUD_FIELD = Struct(
         ("origin", "array<vec4f, 8>", "camera in the noise: coarse along, across; fine along, across"),
         ("noise", "array<vec4f, 8>", "amplitude; width of edges; shear; mean half size of boxes, m"),
         ("look", "array<vec4f, 8>", "shares of the noise's channels"),
+        ("widening", "array<vec4f, 8>", "gaps between boxes over a cloud's radius; nothing (y, z, w)"),
         ("map", "array<vec4f, 8>", "camera on the coverage map, 0..1 (x, y); 1/m (z, w)"),
         ("knots_low", "array<vec4f, 8>", "clouds needed at knots 1 to 4 of the calibration"),
         ("knots_high", "array<vec4f, 8>", "and at knots 5 to 8"),
