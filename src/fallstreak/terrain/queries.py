@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..world.errors import WorldError
+from .above import Above
 from .cover.cover import Sites
 from .model import SEED, TerrainModel, terrain_model
 from .projection import map_from_world, world_from_map
@@ -24,6 +25,12 @@ def surface_of(model: TerrainModel) -> Surface:
     return Surface(model)
 
 
+@lru_cache(maxsize=4)
+def above_of(model: TerrainModel) -> Above:
+    """The highest ground of a model, with the squares that were asked for."""
+    return Above(model)
+
+
 def height(world: Any, east: Any, north: Any) -> Any:
     """Highest ground or water over places, m above sea level; see `world.terrain.height`."""
     model = terrain_model(world)
@@ -31,7 +38,9 @@ def height(world: Any, east: Any, north: Any) -> Any:
     if model.land is None or model.land.shift_bound == 0.0:
         out = model.height(e, n)
     else:
-        out = _from_above(model, e, n)[0]
+        out = above_of(model).height(float(e), float(n)) if e.ndim == 0 else None
+        if out is None:
+            out = _from_above(model, e, n)[0]
     return float(out) if np.ndim(out) == 0 else out
 
 
