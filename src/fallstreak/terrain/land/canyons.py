@@ -21,7 +21,7 @@ from .shape import LandShape
 
 TALUS = 0.2  # share of the depth
 WALL = 0.175  # half the width of a wall on the map, over the relief
-MEAN_MAIN, MEAN_SIDE = 0.097, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
+MEAN_MAIN, MEAN_SIDE = 0.081, 0.031  # mean depth of the river's gorges, of side canyons, over the relief
 REACH = 58.0  # m, of shifts
 SPREAD = 0.35  # of a step, by which slopes are wider so that samples can carry them
 FIN = 36.0  # m, how rounded crests between gorges are
@@ -98,9 +98,9 @@ class Canyons:
         plateau = plateau - 10.0 * wash
 
         # the river's gorge, in places a wide valley with buttes
-        width = 0.44 * relief * (0.95 + 0.6 * place.value)
-        wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.19, 0.45).value
-        width = width + 1.5 * relief * wide
+        width = 0.42 * relief * (0.95 + 0.6 * place.value)
+        wide = ramp(waves(e, n, 13, seed + 39) + 0.3 * place, 0.26, 0.52).value
+        width = width + 1.3 * relief * wide
         wall = g.main + bays
         fade = np.clip(2.0 - 8.0 * step / span, 0.0, 1.0)
         cut, foot = self._cut(wall, g.main + fans, width, step)
