@@ -1,7 +1,5 @@
 """Light on clouds against published reflectances, against energy, and its shader against its twin."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,6 +7,8 @@ from fallstreak.clouds import light
 from fallstreak.clouds.genera import GENERA
 from fallstreak.clouds.shapes import load
 from fallstreak.gpu import FrameGraph, shader
+
+from .probes import WithProbes
 
 # reflectance of a slab, overhead sun, Henyey-Greenstein 0.85: the project's Monte Carlo
 TABLE = {1: 0.042, 2: 0.092, 5: 0.238, 10: 0.423, 20: 0.617, 50: 0.809}
@@ -150,33 +150,16 @@ def evaluate(device, entry, values, boxes, direction):
     bind = {"input": "input", "output": "output", "boxes": "boxes"}
     constants = {"DIRECTION": tuple(float(x) for x in direction), "COUNT": np.uint32(len(boxes))}
     groups = (len(padded) // 64, 1, 1)
-    graph.compute("probe", "package::probe", entry=entry, bind=bind, groups=groups, constants=constants)
+    graph.compute("probe", "package::light_probe", entry=entry, bind=bind, groups=groups, constants=constants)
     graph.output("output")
     graph.compile()
     graph.execute()
     return graph.read("output").view(np.float32).reshape(-1, 4)[:n].astype(float)
 
 
-class _WithProbe:
-    """The package's shaders and this folder's."""
-
-    def __init__(self, package):
-        self._package = package
-
-    def __call__(self, path):
-        if path == ("probe",):
-            return (Path(__file__).parent / "light_probe.wesl").read_text(
-                encoding="utf-8"
-            ), "light_probe.wesl"
-        return self._package(path)
-
-    def names(self):
-        return [*self._package.names(), "probe"]
-
-
 @pytest.fixture
 def probe(monkeypatch):
-    monkeypatch.setattr(shader, "_resolve", _WithProbe(shader._resolve))
+    monkeypatch.setattr(shader, "_resolve", WithProbes(shader._resolve))
 
 
 def test_shader_agrees_with_the_twin(device, probe):

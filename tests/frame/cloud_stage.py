@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import UTC, datetime
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,7 @@ class CloudStage:
         self.world = World(name="stage")
         self.sky = Sky(device, graph, self.world, replace(QUALITY["low"]), size)
         graph.texture_data("clouds.layer", layer, "rgba16float")
-        self.clouds = SimpleNamespace(
+        self.clouds: Any = SimpleNamespace(
             any=True,
             key=None,
             size=layer.shape[1::-1],

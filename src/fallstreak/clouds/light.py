@@ -6,9 +6,9 @@ E / π, so that laying pieces over one another by their opacity integrates it al
 - light scattered once, ``exp(-τ) HG(0.85)``: the silver lining;
 - light that was scattered forward before and still goes about straight, ``exp(-0.3 τ) - exp(-τ)``, by a wider
   lobe: the glow around it;
-- light that has lost its direction: Eddington's mean intensity and flow in a slab that absorbs nothing (Joseph,
-  Wiscombe and Weinman 1976), which is closed form. The slab lies across the line to the light where the cloud
-  faces it, and is tilted where the light grazes (`facing`).
+- light that has lost its direction: Eddington's mean intensity and flow in a slab that absorbs nothing
+  (Joseph, Wiscombe and Weinman 1976), which is closed form. The slab lies across the line to the light where
+  the cloud faces it, and is tilted where the light grazes (`facing`).
 
 The constants were fitted to discrete ordinates (48 streams, Henyey-Greenstein g = 0.85, nothing absorbed,
 overhead light: they give the reflectances of the project's table within 0.001), to delta-Eddington's

@@ -31,6 +31,8 @@ class Quality:
     # clouds
     cloud_scale: int = 1  # pixels of the picture to one of the clouds, along a side
     cloud_cells: int = 128  # along a side of each layer's window: a cell may hold one cloud
+    cloud_shadow: int = 192  # texels along a side of each map of the clouds' shadows
+    cloud_puffs: float = 90.0  # reach of large puffs over their size
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -59,6 +61,7 @@ QUALITY: dict[str, Quality] = {
         vegetation_pixels=(700.0, 220.0),
         cloud_scale=2,
         cloud_cells=96,
+        cloud_shadow=96,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
@@ -66,6 +69,7 @@ QUALITY: dict[str, Quality] = {
     "medium": replace(
         _HIGH,
         name="medium",
+        cloud_shadow=128,
         terrain_error_px=2.5,
         terrain_detail=2,
         terrain_tiles=20,
@@ -76,6 +80,7 @@ QUALITY: dict[str, Quality] = {
     "ultra": replace(
         _HIGH,
         name="ultra",
+        cloud_shadow=320,
         sky_view_size=(384, 216),
         sky_view_steps=40,
         aerial_size=(48, 48, 48),

@@ -1,0 +1,88 @@
+"""The cloud-shadow map as passes of a frame graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...gpu import Struct
+from ...world.state import map_coordinates
+from .model import local_key, lumps, shadow_values
+
+if TYPE_CHECKING:
+    from ...world.state import FrameState
+    from ..passes import Clouds
+
+CLOUD_SHADOW = Struct(
+    "CloudShadow",
+    [
+        ("key", "vec3f", "unit, towards the light; east, north, up at the camera, never level"),
+        ("middle", "f32", "m above the sea, from which v counts"),
+        ("across", "vec3f", "unit, of u; level"),
+        ("low", "f32", "m above the sea, lowest base of all clouds"),
+        ("along", "vec3f", "unit, of v"),
+        ("per_height", "f32", "1/m, over the height from the lowest base to the highest top"),
+        ("maps", "array<vec4f, 4>", "m: middle, half sizes (u, v); finest to widest, straight down"),
+        ("blur", "f32", "m, height of the clouds above the ground that they light"),
+    ],
+)
+
+OVERHEAD = 32
+"""Texels along a side of ``clouds.overhead``."""
+
+
+class ShadowMap:
+    """Writes ``clouds.shadow`` (4 layers) and ``clouds.overhead``; the uniform is ``clouds.shadow_frame``.
+
+    Shaders bind them as ``shadow_map`` and ``shadow`` and ask ``shadow/lookup.wesl``.
+
+    Parameters
+    ----------
+    clouds : Clouds
+        With its field; `key` counts when `update` is called.
+    """
+
+    def __init__(self, clouds: Clouds):
+        self._clouds, graph = clouds, clouds.graph
+        self._texels = texels = clouds.quality.cloud_shadow
+        bounds = [layer.bounds for layer in clouds.field.field.layers]
+        self._heights = min(low for low, _ in bounds), max(high for _, high in bounds)
+        self._uniform = graph.uniform("clouds.shadow_frame", CLOUD_SHADOW)
+        graph.texture("clouds.shadow", "rgba16float", (texels, texels, 4), dimension="2d-array")
+        graph.texture("clouds.overhead", "rgba16float", (OVERHEAD, OVERHEAD))
+        packed = clouds.field.field.packed
+        graph.buffer_data("clouds.lumps", lumps(packed.boxes, packed.models))
+        structs = [CLOUD_SHADOW, *clouds.field.structs]
+        graph.compute(
+            "clouds.shadow",
+            "package::clouds::shadow::map",
+            bind={
+                "shadow": "clouds.shadow_frame",
+                "lumps": "clouds.lumps",
+                "output": "clouds.shadow",
+                **clouds.field.bind,
+            },
+            groups=(-(-texels // 32), -(-texels // 16), 4),  # a thread makes 4 × 2 texels
+            structs=structs,
+            constants=clouds.field.constants,
+        )
+        graph.compute(
+            "clouds.overhead",
+            "package::clouds::shadow::overhead",
+            bind={
+                "shadow": "clouds.shadow_frame",
+                "map": "clouds.shadow",
+                "linear": "sampler:linear-clamp",
+                "output": "clouds.overhead",
+            },
+            groups=(OVERHEAD // 8, OVERHEAD // 8, 1),
+            structs=structs,
+        )
+
+    def update(self, state: FrameState) -> None:
+        """Lay the maps about the frame's camera."""
+        centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
+        key = local_key(self._clouds.key, centre / np.linalg.norm(centre))
+        camera = np.array(map_coordinates(state.camera.position, state.planet_radius))
+        self._uniform.set(**shadow_values(key, camera, self._heights, self._texels))
