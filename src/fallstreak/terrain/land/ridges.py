@@ -15,7 +15,7 @@ from .erosion import ROUGH_SEED, ROUGH_SLOPE, STEEPEST, WAVES, Relief, carried, 
 
 CALM = 0.12  # strength of the blended waves where they are half gone: couloirs join or end there
 BLUNT = 0.0015  # width of an arête, over the wavelength of its noise
-BLUNT_STEPS = 1.0  # the same in steps of a mesh, so that no crest is a row of teeth
+BLUNT_STEPS = 0.2  # the same in steps of a mesh, so that no crest is a row of teeth
 ROUND = 0.06  # half the sine below which a rib between couloirs is rounded
 TOP = 0.0  # height of such a rib over the mean of the wave
 END = 0.1  # of their wavelength: couloirs end so far from a crest
