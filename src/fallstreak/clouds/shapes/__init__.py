@@ -3,10 +3,10 @@
 What it is
     A model is a handful of boxes (Wang 2004: artists built clouds from boxes that a tool filled with
     sprites). The ellipsoids in the boxes are the matter of the cloud: `clouds/field` evaluates them, sprites
-    and spheres fill them. Files are TOML, at most 24 boxes each: ``boxes`` (centre, size, turn, shading group, density),
-    ``[sprites]`` (how many, how large, which textures, smallest distance), ``[colours]`` (five levels by
-    height, percentages and directional colours by hour). `load` takes names of shipped models and paths of
-    a user's own.
+    and spheres fill them. Files are TOML, at most 24 boxes each: ``boxes`` (centre, size, turn, shading
+    group, density), ``[sprites]`` (how many, how large, which textures, smallest distance), ``[colours]``
+    (five levels by height, percentages and directional colours by hour). `load` takes names of shipped models
+    and paths of a user's own.
 
 Limits
     Boxes turn about the vertical only. What is finer than a box comes from noise and textures.
