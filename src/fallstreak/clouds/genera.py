@@ -93,20 +93,20 @@ class Genus:
 
 GENERA: dict[str, Genus] = {
     "cumulus_humilis": Genus(
-        base=1000.0, thickness=380.0, water=0.25, drop=8.0, cell=1150.0, radius=(260.0, 720.0),
-        height=(0.55, 1.3), lifetime=1200.0, wind=7.0, tile=1500.0, base_spread=50.0, soft=50.0,
+        base=1000.0, thickness=380.0, water=0.25, drop=8.0, cell=1120.0, radius=(230.0, 980.0),
+        height=(0.55, 1.3), lifetime=1200.0, wind=7.0, tile=1500.0, base_spread=50.0, soft=50.0, amplitude=0.42,
     ),
     "cumulus_mediocris": Genus(
-        base=1000.0, thickness=1000.0, water=0.4, drop=9.0, cell=1900.0, radius=(450.0, 1250.0),
-        height=(0.5, 1.3), lifetime=1800.0, wind=8.0, tile=2400.0, base_spread=70.0, soft=70.0,
+        base=1000.0, thickness=1000.0, water=0.4, drop=9.0, cell=2000.0, radius=(400.0, 1700.0),
+        height=(0.5, 1.3), lifetime=1800.0, wind=8.0, tile=2400.0, base_spread=70.0, soft=70.0, amplitude=0.42,
     ),
     "cumulus_congestus": Genus(
-        base=900.0, thickness=3200.0, water=0.8, drop=11.0, cell=3700.0, radius=(900.0, 2300.0),
-        height=(0.5, 1.3), lifetime=3000.0, wind=9.0, tile=4200.0, base_spread=100.0, soft=90.0,
+        base=900.0, thickness=3200.0, water=0.8, drop=11.0, cell=3900.0, radius=(850.0, 3100.0),
+        height=(0.5, 1.3), lifetime=3000.0, wind=9.0, tile=4200.0, base_spread=100.0, soft=90.0, amplitude=0.42,
     ),
     "cumulonimbus": Genus(
         base=900.0, thickness=9800.0, water=1.0, drop=12.0, cell=19e3, radius=(7000.0, 13e3),
-        height=(0.8, 1.12), lifetime=5400.0, wind=11.0, tile=11e3, base_spread=150.0, soft=150.0,
+        height=(0.8, 1.12), lifetime=5400.0, wind=11.0, tile=11e3, base_spread=150.0, soft=150.0, clustering=0.7, amplitude=0.4,
     ),
     "stratocumulus": Genus(
         base=1100.0, thickness=480.0, water=0.3, drop=9.0, cell=1300.0, radius=(620.0, 1050.0),
@@ -114,14 +114,14 @@ GENERA: dict[str, Genus] = {
         clustering=0.3, edge=0.2, look=(0.6, 0.4, 0.0, 0.0),
     ),
     "stratus": Genus(
-        base=300.0, thickness=330.0, water=0.25, drop=8.0, cell=4600.0, radius=(2300.0, 3400.0),
-        height=(0.8, 1.15), lifetime=0.0, wind=5.0, tile=4000.0, base_spread=40.0, soft=110.0,
-        clustering=0.3, amplitude=0.42, edge=0.35, look=(0.2, 0.8, 0.0, 0.0),
+        base=300.0, thickness=330.0, water=0.25, drop=8.0, cell=2600.0, radius=(1500.0, 2300.0),
+        height=(0.8, 1.15), lifetime=0.0, wind=5.0, tile=6000.0, base_spread=40.0, soft=110.0,
+        clustering=0.6, amplitude=1.1, edge=0.8, look=(0.2, 0.8, 0.0, 0.0), jitter=0.5,
     ),
     "nimbostratus": Genus(
-        base=700.0, thickness=3200.0, water=0.4, drop=12.0, cell=17e3, radius=(9000.0, 12.5e3),
-        height=(0.85, 1.15), lifetime=0.0, wind=12.0, tile=9000.0, base_spread=150.0, soft=350.0,
-        clustering=0.2, amplitude=0.42, edge=0.35, look=(0.2, 0.8, 0.0, 0.0),
+        base=700.0, thickness=3200.0, water=0.4, drop=12.0, cell=9000.0, radius=(5000.0, 7800.0),
+        height=(0.85, 1.15), lifetime=0.0, wind=12.0, tile=16e3, base_spread=150.0, soft=350.0,
+        clustering=0.4, amplitude=0.9, edge=0.6, look=(0.2, 0.8, 0.0, 0.0), jitter=0.5,
     ),
     "altocumulus": Genus(
         base=3800.0, thickness=380.0, water=0.12, drop=8.0, cell=1800.0, radius=(1100.0, 1900.0),
@@ -129,12 +129,12 @@ GENERA: dict[str, Genus] = {
         clustering=0.6, amplitude=0.34, edge=0.25, look=(0.7, 0.3, 0.0, 0.0), aligned=0.8,
     ),
     "altostratus": Genus(
-        base=3500.0, thickness=1500.0, water=0.1, drop=10.0, cell=12e3, radius=(6000.0, 8800.0),
-        height=(0.8, 1.15), lifetime=0.0, wind=18.0, tile=9000.0, base_spread=150.0, soft=350.0,
-        clustering=0.3, stretch=2.0, amplitude=0.42, edge=0.5, look=(0.0, 1.0, 0.0, 0.0), aligned=0.7,
+        base=3500.0, thickness=1500.0, water=0.1, drop=10.0, cell=7000.0, radius=(4000.0, 6200.0),
+        height=(0.8, 1.15), lifetime=0.0, wind=18.0, tile=14e3, base_spread=150.0, soft=350.0,
+        clustering=0.5, stretch=2.0, amplitude=1.2, edge=1.0, look=(0.0, 1.0, 0.0, 0.0), aligned=0.7, jitter=0.5,
     ),
     "cirrus": Genus(
-        base=8500.0, thickness=1300.0, water=0.025, drop=28.0, cell=11e3, radius=(5500.0, 10e3),
+        base=8500.0, thickness=1300.0, water=0.03, drop=28.0, cell=9200.0, radius=(5500.0, 10e3),
         height=(0.7, 1.2), lifetime=7200.0, wind=32.0, tile=4200.0, ice=True, base_spread=500.0,
         soft=500.0, clustering=0.6, stretch=7.0, shear=4.0, amplitude=0.75, edge=0.9,
         look=(0.0, 0.4, 0.0, 0.6), aligned=0.93,
@@ -145,10 +145,10 @@ GENERA: dict[str, Genus] = {
         clustering=0.7, amplitude=0.55, edge=0.4, look=(0.6, 0.0, 0.4, 0.0), aligned=0.8,
     ),
     "cirrostratus": Genus(
-        base=7800.0, thickness=1300.0, water=0.008, drop=35.0, cell=30e3, radius=(15e3, 22e3),
-        height=(0.8, 1.15), lifetime=0.0, wind=30.0, tile=9000.0, ice=True, base_spread=300.0, soft=500.0,
-        clustering=0.3, stretch=5.0, shear=2.0, amplitude=0.5, edge=0.8, look=(0.0, 0.6, 0.0, 0.4),
-        aligned=0.9,
+        base=7800.0, thickness=1300.0, water=0.014, drop=35.0, cell=16e3, radius=(9000.0, 14e3),
+        height=(0.8, 1.15), lifetime=0.0, wind=30.0, tile=24e3, ice=True, base_spread=300.0, soft=500.0,
+        clustering=0.7, stretch=7.0, shear=2.0, amplitude=1.9, edge=1.6, look=(0.0, 0.35, 0.0, 0.65),
+        aligned=0.9, jitter=0.5,
     ),
 }  # fmt: skip
 """By the names of `world.clouds.Genus`."""

@@ -147,7 +147,7 @@ def clouds_of(layer: Layer, cells: np.ndarray, time: float, wanted: np.ndarray, 
     off = 2.0 * np.stack([number(seed, 1), number(seed, 2)], 1) - 1.0
     which = np.minimum((number(seed, 7) * len(layer.models)).astype(np.int64), len(layer.models) - 1)
     bound = np.array([(m.radius, m.height, m.reach, m.top) for m in layer.models])[which]
-    large = number(seed, 4) ** 2
+    large = number(seed, 4) ** 3
     swell = layer.gap * (1.0 - 1.0 / spread)
     room = (1.5 - jitter) * layer.cell / (OUTER * (1.0 + SWELL * swell))
     radius = np.minimum(_mix(*layer.radius, large) * grown, room)

@@ -107,7 +107,7 @@ class Layer:
     def body(self) -> float:
         """Mean horizontal half size of its clouds' boxes, m: what blurs beyond that size."""
         parts = [float(m.boxes["half"][:, :2].mean()) / m.radius for m in self.models]
-        large = 1.0 / 3.0  # mean of a square of a random number
+        large = 0.25  # mean of a cube of a random number
         radius = self.radius[0] + large * (self.radius[1] - self.radius[0])
         return radius * sum(parts) / len(parts)
 

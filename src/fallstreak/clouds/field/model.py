@@ -9,7 +9,7 @@ import numpy as np
 from ...world.files import changed
 from ..shapes import load, pack, shipped
 from . import density
-from .calibration import Calibration, calibrate
+from .calibration import Calibration, calibration_of
 from .cells import clouds_of, needed, patchy
 from .coverage import CoverageMap, read_coverage
 from .layers import Layer
@@ -40,7 +40,7 @@ class Field:
         self.packed = pack([model for layer in layers for model in layer.models])
         counts = [len(layer.models) for layer in layers]
         self.first = [sum(counts[:i]) for i in range(len(counts))]
-        self.calibrations: list[Calibration] = [calibrate(layer) for layer in layers]
+        self.calibrations: list[Calibration] = [calibration_of(layer) for layer in layers]
 
     def coverage(self, index: int, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Coverage that is asked for of a layer at places, without patches."""

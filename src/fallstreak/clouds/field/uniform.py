@@ -7,7 +7,7 @@ from ...gpu import Struct
 LAYERS = 8
 CLOUD_BYTES = 64
 """Of a record in ``clouds.cells``, see ``cloud.wesl``."""
-KNOTS = (0.0, 0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95, 1.0)
+KNOTS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.65, 0.75, 0.9, 1.0)
 """Coverages at which a layer is calibrated."""
 HEIGHTS = 16
 """Equal parts of a layer's heights whose mean extinction is known."""

@@ -1,0 +1,35 @@
+"""Find how many clouds give which coverage, for every genus, and keep it in clouds/field/data/calibration.npz.
+
+Run it when genera, shipped cloud models, or the field's cells, density or noise have changed; it takes two
+minutes. Layers whose numbers differ from the usual are calibrated when they are first used, less exactly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import fallstreak as fs
+from fallstreak.clouds.field.calibration import DATA, calibrate, key_of
+from fallstreak.clouds.field.layers import Layer
+from fallstreak.clouds.field.model import model_names
+from fallstreak.clouds.genera import GENERA
+from fallstreak.clouds.shapes import load
+
+SIDE = 90  # columns along a side of the patch looked at: shares are exact to .006
+
+if __name__ == "__main__":
+    keys, found = [], []
+    for genus in GENERA:
+        world = fs.World(clouds={"layers": [{"genus": genus}]})
+        layer = Layer.of(world, 0, tuple(load(model_names(world.clouds.layers[0]))))
+        keys.append(key_of(layer))
+        found.append(calibrate(layer, SIDE))
+        print(f"{genus:18} {' '.join(f'{n:5.2f}' for n in found[-1].knots)}")
+    DATA.parent.mkdir(exist_ok=True)
+    np.savez_compressed(
+        DATA,
+        keys=keys,
+        knots=[f.knots for f in found],
+        discs=[f.discs for f in found],
+        profile=[f.profile for f in found],
+    )
