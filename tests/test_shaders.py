@@ -33,6 +33,7 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], str]] = {
         {"terrain": {"source": "canyons", "file": ""}, "models": [{"file": "glider"}]},
         "low",
     ),
+    "puffs": ("hundred_miles", {}, "low"),
 }
 
 

@@ -69,7 +69,9 @@ class Device:
         info, why = choose(adapter)
         wanted = [c for c in capabilities if c in info.capabilities]
         with translated("opening the device"):
-            native = info.native.request_device_sync(required_features=wanted, required_limits=dict(LIMITS))
+            native = info.native.request_device_sync(
+                required_features=wanted, required_limits=_limits(info.kind == "CPU")
+            )
         return cls(native, info, why)
 
     def destroy(self) -> None:
@@ -143,3 +145,9 @@ class Device:
 def _forget(device: weakref.ref[Device], counter: str, size: int) -> None:
     if (alive := device()) is not None:
         setattr(alive, counter, getattr(alive, counter) - size)
+
+
+def _limits(software: bool) -> dict[str, int]:
+    """What is asked for; to a software adapter uniforms are storage buffers, too (shader.py)."""
+    storage, uniform = ("max-storage-buffers-per-shader-stage", "max-uniform-buffers-per-shader-stage")
+    return {**LIMITS, storage: LIMITS[storage] + LIMITS[uniform]} if software else dict(LIMITS)

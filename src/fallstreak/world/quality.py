@@ -32,7 +32,7 @@ class Quality:
     cloud_scale: int = 1  # pixels of the picture to one of the clouds, along a side
     cloud_cells: int = 128  # along a side of each layer's window: a cell may hold one cloud
     cloud_shadow: int = 192  # texels along a side of each map of the clouds' shadows
-    cloud_puffs: float = 90.0  # reach of large puffs over their size
+    cloud_puffs: float = 60.0  # reach of large puffs over their size
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences

@@ -1,0 +1,225 @@
+"""The resolutions of puffs: their sizes, how far each reaches, and where the camera is in its lattice.
+
+Seven decades of sizes from 1 m to 1,000 km. A decade is a coarse step for the eye: the middle bucket of each
+level is therefore filled with puffs a third (one over the square root of ten) as wide, which is as many as
+in the other 26 buckets together. So there are thirteen sizes; everything below counts those.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, floor, sqrt
+
+import numpy as np
+
+from ...gpu import Struct
+
+SIZES = tuple(10.0 ** (0.5 * i) for i in range(13))
+"""m, side of a cell, which holds one puff; even ones are the seven resolutions."""
+
+FADE = 0.3
+"""The last part of a size's reach, over which the next takes over."""
+
+LEAST_DEPTH = 0.004
+"""Optical depth of a puff that nobody sees: such sizes are left out, and the next reaches further in."""
+
+FLAT_ROWS = 2
+"""Of up to so many rows of cells one above the other, blocks are 8 × 8 × 1 cells, else 4 × 4 × 4."""
+
+
+FBM = 1
+"""Channel of the noise, see `field.volume`."""
+
+
+@dataclass(frozen=True)
+class Slab:
+    """Where a layer of clouds may have matter, and what is needed to keep its puffs in place.
+
+    Attributes
+    ----------
+    low, high : float
+        m above the sea.
+    extinction : float
+        1/m, of dense clouds.
+    wind : (float, float)
+        m/s, east and north.
+    seed : int
+    channel : int
+        Of the noise that frays its small puffs.
+    body : float
+        m, half the size of its clouds' parts; larger puffs hold several, and are frayed by fBm.
+    along : (float, float)
+        Along its clouds' fibres; the shorter, the longer these are.
+    """
+
+    low: float
+    high: float
+    extinction: float
+    wind: tuple[float, float]
+    seed: int
+    channel: int = FBM
+    body: float = 0.0
+    along: tuple[float, float] = (1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The puffs of one size in one layer, as a frame needs them.
+
+    Attributes
+    ----------
+    layer, level : int
+    cell : float
+        m.
+    rows : int
+        Cells one above the other, from `Slab.low` to `Slab.high`.
+    blocks : int
+        Along a side of a bucket.
+    reach : (float, float, float, float)
+        m: puffs appear from the first to the second and are gone from the third to the fourth.
+    """
+
+    layer: int
+    level: int
+    cell: float
+    rows: int
+    blocks: int
+    reach: tuple[float, float, float, float]
+
+    @property
+    def block(self) -> int:
+        """Cells along a side of a block, horizontally."""
+        return 8 if self.rows <= FLAT_ROWS else 4
+
+    @property
+    def bucket(self) -> float:
+        """m, side of a bucket."""
+        return self.blocks * self.block * self.cell
+
+
+def reaches(fineness: float) -> np.ndarray:
+    """Distance at which each size ends, m, without regard to what can be seen.
+
+    Sizes up to 10 m matter inside of clouds, where every direction is full of them and nothing is far:
+    these are drawn to ten times their own size. Large ones lie in thin layers and are drawn further.
+
+    Parameters
+    ----------
+    fineness : float
+        Reach over size of large puffs: the reciprocal of the angle under which one is seen where it ends.
+    """
+    sizes = np.array(SIZES)
+    t = np.clip((np.log10(sizes) - 0.5) / 2.0, 0.0, 1.0)
+    return sizes * (10.0 + (fineness - 10.0) * t * t * (3.0 - 2.0 * t))
+
+
+def grids(slabs: tuple[Slab, ...], ends: np.ndarray, height: float, farthest: float) -> list[Grid]:
+    """What is to be drawn from a height: sizes that reach no layer are not there and cost nothing.
+
+    Parameters
+    ----------
+    slabs : the layers
+    ends : (13,), m, see `reaches`
+    height : m above the sea
+    farthest : m, beyond which no clouds are drawn
+    """
+    found = []
+    for layer, slab in enumerate(slabs):
+        below = max(slab.low - height, height - slab.high, 0.0)
+        least = LEAST_DEPTH / slab.extinction
+        begins = 0.0
+        for level, size in enumerate(SIZES):
+            last = level == len(SIZES) - 1 or ends[level] >= farthest
+            end = farthest if last else float(ends[level])
+            if size < least and not last:
+                continue
+            if end > below:
+                # the smallest vanish before the camera is inside of them
+                near = (begins * (1.0 - FADE), begins) if begins else (0.5 * size, 1.5 * size)
+                far = (end * (1.0 - (0.15 if last else FADE)), end)
+                rows = max(1, round((slab.high - slab.low) / size))
+                block = 8 if rows <= FLAT_ROWS else 4
+                blocks = ceil(end / (block * size))
+                found.append(Grid(layer, level, size, rows, blocks, (*near, *far)))
+            begins = end
+            if last:
+                break
+    return found
+
+
+def grid_struct(count: int) -> Struct:
+    """What the shaders are told of up to `count` grids."""
+    return Struct(
+        "PuffGrids",
+        [
+            ("corner", f"array<vec4i, {count}>", "camera's cell (x, y); its bucket's first cell minus that"),
+            ("place", f"array<vec4f, {count}>", "camera from its cell's corner (x, y), m; cell; row, m"),
+            ("reach", f"array<vec4f, {count}>", "m: appears between (x, y), is gone between (z, w)"),
+            ("slab", f"array<vec4f, {count}>", "m: lowest and highest matter; floor of the lowest bucket; bucket"),
+            ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
+            ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; channel of the noise; its axis along the wind"),
+            ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
+            ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
+        ],
+    )  # fmt: skip
+
+
+NOISE_TILE = 7.0
+"""Cells, after which the noise that frays puffs of a size repeats."""
+
+
+def grid_values(
+    slabs: tuple[Slab, ...],
+    found: list[Grid],
+    count: int,
+    *,
+    camera_map: tuple[float, float],
+    camera: np.ndarray,
+    height: float,
+    time: float,
+    radius: float,
+) -> dict[str, np.ndarray]:
+    """The fields of `grid_struct` for a frame, float64 until the last step.
+
+    Parameters
+    ----------
+    camera_map : m, east and north
+    camera : (3,), m, world coordinates
+    height : m above the sea
+    time : s
+    radius : m, of the planet
+    """
+    out = {
+        "corner": np.zeros((count, 4), np.int32),
+        "place": np.zeros((count, 4)),
+        "reach": np.zeros((count, 4)),
+        "slab": np.zeros((count, 4)),
+        "noise": np.zeros((count, 4)),
+        "look": np.zeros((count, 4)),
+        "info": np.zeros((count, 4), np.uint32),
+    }
+    for i, grid in enumerate(found):
+        slab = slabs[grid.layer]
+        # the lattice drifts with its layer
+        drift = np.asarray(slab.wind) * time
+        place = np.asarray(camera_map) - drift
+        cell = np.floor(place / grid.cell)
+        side = grid.blocks * grid.block
+        corner = np.floor(cell / side) * side - cell
+        out["corner"][i] = (*(int(c) for c in cell), *(int(c) for c in corner))
+        out["place"][i] = (*(place - cell * grid.cell), grid.cell, (slab.high - slab.low) / grid.rows)
+        out["reach"][i] = grid.reach
+        out["slab"][i] = (slab.low, slab.high, (floor(height / grid.bucket) - 1) * grid.bucket, grid.bucket)
+        tile = NOISE_TILE * grid.cell
+        along = np.asarray(slab.along)
+        across = np.array([-along[1], along[0]]) / np.hypot(*along)
+        still = camera[:2] - drift
+        at = np.array([still @ along, still @ across, camera[2]]) / tile
+        out["noise"][i] = (*(at % 1.0), 1.0 / tile)
+        channel = slab.channel if grid.cell < slab.body else FBM
+        out["look"][i] = (slab.extinction, channel, *along)
+        seed = (slab.seed + 0x9E3779B9 * (grid.level + 1)) & 0xFFFFFFFF
+        out["info"][i] = (grid.layer, grid.rows, grid.blocks, seed)
+    horizon = sqrt(max(2.0 * radius * height + height * height, 0.0))
+    out["planet"] = np.array([horizon, radius, 0.0, 0.0])
+    return out

@@ -1,0 +1,237 @@
+"""The GPU passes of the puffs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...gpu import VIEW, FrameGraph
+from ...world.state import FrameState, map_coordinates
+from ..frame import CLOUD_FRAME
+from ..order import add_order
+from ..shadow import CLOUD_SHADOW
+from .levels import FLAT_ROWS, SIZES, Grid, Slab, grid_struct, grid_values, grids, reaches
+
+if TYPE_CHECKING:
+    from ..passes import Clouds
+
+MOST_BLOCKS = 16384
+MOST_FOUND = 65536
+MOST_DRAWN = 30000
+_VERTICES = 3  # of a puff: a triangle about its disc
+_MATTER = "package::clouds::puffs::matter"
+
+
+class Puffs:
+    """Clouds of puffs in a frame graph.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+    clouds : Clouds
+        With its field.
+
+    Attributes
+    ----------
+    grids : list of Grid
+        What the last frame looked at.
+    """
+
+    def __init__(self, graph: FrameGraph, clouds: Clouds):
+        layers = clouds.field.field.layers
+        slabs = tuple(_slab(layer) for layer in layers)
+        fineness = clouds.quality.cloud_puffs * clouds.world.clouds.puffs.density
+        self._pieces = PuffPasses(
+            graph,
+            slabs,
+            size=clouds.size,
+            fineness=fineness,
+            matter=_MATTER,
+            bind=clouds.field.bind,
+            structs=clouds.field.structs,
+            constants=clouds.field.constants,
+            shadow=clouds.shadow is not None,
+        )
+        self._visibility = float(clouds.world.clouds.visibility)
+
+    @property
+    def grids(self) -> list[Grid]:
+        return self._pieces.grids
+
+    def update(self, state: FrameState) -> None:
+        """Find which sizes of puffs a frame needs."""
+        self._pieces.update(state, self._visibility)
+
+
+def _slab(layer: Any) -> Slab:
+    genus = layer.genus
+    along = np.array([np.cos(layer.towards), np.sin(layer.towards)]) / genus.stretch
+    return Slab(
+        *layer.bounds,
+        layer.extinction,
+        layer.wind,
+        layer.seed & 0xFFFFFFFF,
+        int(np.argmax(genus.look)),
+        layer.body,
+        (float(along[0]), float(along[1])),
+    )
+
+
+class PuffPasses:
+    """The passes over whichever matter: `Puffs` gives them the field, tests what they know the answer of.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        Holds ``view``, ``clouds.frame``, ``clouds.layer``, ``clouds.noise`` and ``gbuffer.depth``.
+    slabs : tuple of Slab
+        The layers.
+    size : (int, int)
+        Of ``clouds.layer``.
+    fineness : float
+        See `reaches`.
+    matter : str
+        WESL module with `layer_mean_extinction`.
+    bind, structs, constants
+        What that module needs.
+    shadow : bool
+        Whether there is a map of the clouds' shadows.
+    everywhere : bool
+        Also what is out of sight, to count what buckets save.
+    """
+
+    def __init__(
+        self,
+        graph: FrameGraph,
+        slabs: tuple[Slab, ...],
+        *,
+        size: tuple[int, int],
+        fineness: float,
+        matter: str,
+        bind: dict[str, str] | None = None,
+        structs: Any = (),
+        constants: dict[str, Any] | None = None,
+        shadow: bool = False,
+        everywhere: bool = False,
+    ):
+        self.slabs = slabs
+        self.grids: list[Grid] = []
+        self._fineness = fineness
+        self._count = len(slabs) * len(SIZES)
+        struct = grid_struct(self._count)
+        self._uniform = graph.uniform("clouds.puffs.grids", struct)
+        structs = [VIEW, CLOUD_FRAME, CLOUD_SHADOW, struct, *structs]
+        constants = {
+            "FLAT_ROWS": FLAT_ROWS,
+            "MOST_BLOCKS": MOST_BLOCKS,
+            "MOST_FOUND": MOST_FOUND,
+            "MOST_DRAWN": MOST_DRAWN,
+            "VERTICES": _VERTICES,
+            "LAYER_SIZE": size,
+            "MATTER": matter,
+            **(constants or {}),
+        }
+        common: dict[str, Any] = {"structs": structs, "constants": constants}
+        lattice = {"view": "view", "frame": "clouds.frame", "grids": "clouds.puffs.grids"}
+        counts = {
+            "block_count": "clouds.puffs.block_count",
+            "found": "clouds.puffs.found",
+            "draw": "clouds.puffs.arguments",
+        }
+        graph.buffer("clouds.puffs.block_count", 32, usage=("indirect",))
+        graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",))
+        graph.buffer("clouds.puffs.blocks", 16 * MOST_BLOCKS)
+        graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",))
+        graph.buffer("clouds.puffs.puffs", 128 * MOST_DRAWN)
+        graph.buffer("clouds.puffs.keys", 8 * MOST_DRAWN)
+
+        def add(name: str, **options: Any) -> None:
+            graph.compute(f"clouds.puffs.{name}", f"package::clouds::puffs::{name}", **common, **options)
+
+        add("begin", bind=counts, groups=(1, 1, 1), order=-1.0)
+        add(
+            "buckets",
+            bind={
+                **lattice,
+                **(bind or {}),
+                "blocks": "clouds.puffs.blocks",
+                "block_count": counts["block_count"],
+            },
+            groups=lambda: (27, len(self.grids), 1),
+            flags={"EVERYWHERE": everywhere},
+        )
+        add(
+            "cells",
+            bind={
+                **lattice,
+                **(bind or {}),
+                "blocks": "clouds.puffs.blocks",
+                "found": counts["found"],
+            },
+            groups=counts["block_count"],
+            flags={"EVERYWHERE": everywhere},
+        )
+        add(
+            "lit",
+            bind={
+                **lattice,
+                **(bind or {}),
+                "found": counts["found"],
+                "puffs": "clouds.puffs.puffs",
+                "keys": "clouds.puffs.keys",
+                "draw": counts["draw"],
+                "shadow": "clouds.shadow_frame",
+                "shadow_map": "clouds.shadow",
+                "linear": "sampler:linear-clamp",
+            },
+            groups=counts["found"],
+            flags={"SHADOW": shadow},
+        )
+        order = add_order(
+            graph,
+            "clouds.puffs",
+            keys="clouds.puffs.keys",
+            count=counts["draw"],
+            word=4,
+            capacity=MOST_DRAWN,
+        )
+        graph.render(
+            "clouds.puffs.draw",
+            "package::clouds::puffs::draw",
+            color=["clouds.layer"],
+            blend="over",
+            bind={
+                "view": "view",
+                "puffs": "clouds.puffs.puffs",
+                "order": order,
+                "noise": "clouds.noise",
+                "repeat": "sampler:linear-repeat",
+                "scene": "gbuffer.depth",
+            },
+            indirect=counts["draw"],
+            **common,
+        )
+
+    def update(self, state: FrameState, visibility: float) -> None:
+        """Find which sizes of puffs a frame needs.
+
+        Parameters
+        ----------
+        visibility : float
+            m
+        """
+        # from high above, clouds are seen to the horizon
+        farthest = max(visibility, 6.0 * state.altitude)
+        self.grids = grids(self.slabs, reaches(self._fineness), state.altitude, farthest)
+        values = grid_values(
+            self.slabs,
+            self.grids,
+            self._count,
+            camera_map=map_coordinates(state.camera.position, state.planet_radius),
+            camera=np.asarray(state.camera.position, np.float64),
+            height=state.altitude,
+            time=state.time,
+            radius=state.planet_radius,
+        )
+        self._uniform.set(**values)
