@@ -37,7 +37,9 @@ class Stage:
         self.graph = graph = FrameGraph(device)
         passes = FieldPasses(graph, self.field, cast(Any, SimpleNamespace(cloud_cells=96)))
         quality = SimpleNamespace(cloud_shadow=texels)
-        self.clouds: Any = SimpleNamespace(graph=graph, quality=quality, field=passes, key=None)
+        self.clouds: Any = SimpleNamespace(
+            graph=graph, quality=quality, field=passes, key=None, moonlit=False
+        )
         self.shadow = ShadowMap(self.clouds)
         graph.buffer_data("places", np.zeros((PLACES, 4), np.float32))
         graph.buffer("found", PLACES * 16)

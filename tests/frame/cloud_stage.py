@@ -49,7 +49,8 @@ class CloudStage:
         graph.texture_data("clouds.layer", layer, "rgba16float")
         self.clouds: Any = SimpleNamespace(
             any=True,
-            key=None,
+            moonlit=False,
+            shadow=None,
             size=layer.shape[1::-1],
             picture=size,
             world=SimpleNamespace(clouds=SimpleNamespace(colours=colours)),
@@ -85,8 +86,7 @@ class CloudStage:
         state = FrameState(0, 0.0, NOON, 0.0, 0, self.size, self.world.planet.radius, camera, camera)
         self.view.set(**view_values(state))
         self.sky.shine(heavens, altitude)
-        light = self.graph.uniforms["sky.light"].record
-        self.clouds.key = light["sun_direction" if sun[0] > -7 else "moon_direction"]
+        self.clouds.moonlit = sun[0] < -7
         self.scale = scale
         for _ in range(2):
             self.graph.execute()

@@ -41,6 +41,8 @@ class Clouds:
         What shaders that look into the field bind.
     size : (int, int)
         Of ``clouds.layer``.
+    key : (3,) float64
+        In a frame, direction to the light that counts; `moonlit`: it is the moon.
     """
 
     def __init__(self, graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int]):
@@ -66,7 +68,9 @@ class Clouds:
         if not self.any:
             return
         centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
-        self.key = key_light(self.graph.uniforms["sky.light"].record, centre / np.linalg.norm(centre))
+        light = self.graph.uniforms["sky.light"].record
+        self.key = key_light(light, centre / np.linalg.norm(centre))
+        self.moonlit = bool(np.array_equal(self.key, light["moon_direction"].astype(np.float64)))
         self._frame.set(**frame_values(state, visibility=self.world.clouds.visibility, key=self.key))
         self.field.update(state)
         if self.shadow is not None:

@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from fallstreak.clouds.shadow import CLOUD_SHADOW
 from fallstreak.gpu import EXPOSURE, FrameGraph
 from fallstreak.sky.air import AIR
 from fallstreak.sky.light import LIGHT
@@ -36,11 +35,11 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
     graph : FrameGraph
         With the sky's passes and ``frame.exposure``.
     clouds : Clouds
-        Its `key` says whether sun or moon lights the clouds.
+        `moonlit` says whether sun or moon lights them.
     """
     if not clouds.any:
         return
-    view, light = graph.uniforms["view"].record, graph.uniforms["sky.light"].record
+    view = graph.uniforms["view"].record
     coarse = clouds.size != clouds.picture
     artist = clouds.world.clouds.colours == "artist"
     bind = {
@@ -56,6 +55,8 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
         "through": "sky.aerial_transmittance",
         "linear": "sampler:linear-clamp",
         "colour": "clouds.colour",
+        "shadow": "clouds.shadow_frame",
+        "overhead": "clouds.overhead",
     }
     onto: dict[str, Any] = {"color": ["frame.hdr"], "blend": "over", "order": ORDER}
     if coarse:
@@ -68,14 +69,11 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
         )
         onto = {"color": ["frame.clouds_lit"]}
 
-    def moonlit() -> bool:
-        return bool(np.array_equal(clouds.key, light["moon_direction"]))
-
     def far() -> bool:
         return float(view["altitude"]) > FAR_ALTITUDE
 
     def when(key_moon: bool, from_far: bool) -> Callable[[], bool]:
-        return lambda: moonlit() == key_moon and far() == from_far
+        return lambda: clouds.moonlit == key_moon and far() == from_far
 
     for key_moon in (False, True):
         for from_far in (False, True):
@@ -84,8 +82,13 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
                 "package::frame::clouds",
                 fragment="light_main",
                 bind=bind,
-                flags={"KEY_MOON": key_moon, "FAR": from_far, "ARTIST": artist},
-                structs=[AIR, LIGHT, EXPOSURE],
+                flags={
+                    "KEY_MOON": key_moon,
+                    "FAR": from_far,
+                    "ARTIST": artist,
+                    "SHADOWS": clouds.shadow is not None,
+                },
+                structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
                 when=when(key_moon, from_far),
                 **onto,
             )

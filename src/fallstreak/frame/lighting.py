@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fallstreak.clouds.shadow import CLOUD_SHADOW
 from fallstreak.gpu import EXPOSURE, FrameGraph
 from fallstreak.sky.air import AIR
 from fallstreak.sky.light import LIGHT
@@ -24,8 +25,13 @@ FAR_ALTITUDE = 6e3
 _LINEAR = "sampler:linear-clamp"
 
 
-def add_lighting(graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int]) -> None:
-    """Write luminance times exposure into ``frame.hdr`` wherever something was drawn."""
+def add_lighting(
+    graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int], *, clouds: bool = False
+) -> None:
+    """Write luminance times exposure into ``frame.hdr`` wherever something was drawn.
+
+    `clouds`: there is a ``clouds.shadow``, and light comes past clouds.
+    """
     add_brdf_table(graph)
     view, light = graph.uniforms["view"].record, graph.uniforms["sky.light"].record
 
@@ -54,6 +60,9 @@ def add_lighting(graph: FrameGraph, world: World, quality: Quality, size: tuple[
         "brdf_table": "frame.brdf",
         "sky_light": "sky.skylight",
         "sky_view": "sky.view_table",
+        "shadow": "clouds.shadow_frame",
+        "shadow_map": "clouds.shadow",
+        "overhead": "clouds.overhead",
     }
     forms = {
         "frame.lighting": ({"MOON": False, "FAR": False}, lambda: not far() and not moon()),
@@ -69,8 +78,8 @@ def add_lighting(graph: FrameGraph, world: World, quality: Quality, size: tuple[
             depth_compare="less",
             depth_write=False,
             bind=bind,
-            flags={**flags, "REFLECTION": _has_mirrors(world) and not flags["FAR"]},
-            structs=[AIR, LIGHT, EXPOSURE],
+            flags={**flags, "REFLECTION": _has_mirrors(world) and not flags["FAR"], "CLOUDS": clouds},
+            structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
             when=when,
         )
 

@@ -78,7 +78,8 @@ class Pipeline:
         self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
         self.clouds = Clouds(graph, world, quality, size)
-        add_lighting(graph, world, quality, size)
+        shadows = self.clouds.any and self.clouds.shadow is not None
+        add_lighting(graph, world, quality, size, clouds=shadows)
         add_clouds(graph, self.clouds)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)

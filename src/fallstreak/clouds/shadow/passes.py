@@ -25,6 +25,7 @@ CLOUD_SHADOW = Struct(
         ("per_height", "f32", "1/m, over the height from the lowest base to the highest top"),
         ("maps", "array<vec4f, 4>", "m: middle, half sizes (u, v); finest to widest, straight down"),
         ("blur", "f32", "m, height of the clouds above the ground that they light"),
+        ("moonlit", "f32", "1: the light is the moon's, 0: the sun's"),
     ],
 )
 
@@ -40,7 +41,7 @@ class ShadowMap:
     Parameters
     ----------
     clouds : Clouds
-        With its field; `key` counts when `update` is called.
+        With its field; `key` and `moonlit` count when `update` is called.
     """
 
     def __init__(self, clouds: Clouds):
@@ -85,4 +86,5 @@ class ShadowMap:
         centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
         key = local_key(self._clouds.key, centre / np.linalg.norm(centre))
         camera = np.array(map_coordinates(state.camera.position, state.planet_radius))
-        self._uniform.set(**shadow_values(key, camera, self._heights, self._texels))
+        values = shadow_values(key, camera, self._heights, self._texels)
+        self._uniform.set(**values, moonlit=float(self._clouds.moonlit))
