@@ -62,7 +62,8 @@ def describe_field(info: FieldInfo, element: bool = False) -> str:
 
 def _words(node: dict[str, Any], element: bool = False) -> str:
     if "anyOf" in node:
-        parts = [_words(part) for part in node["anyOf"] if part.get("type") != "null"]
+        kinds = [part for part in node["anyOf"] if part.get("type") != "null"]
+        parts = [_words(part, element and part.get("type") == "array") for part in kinds]
         return " or ".join(dict.fromkeys(parts[:1] if element else parts))
     if "const" in node:
         return f'"{node["const"]}"'
@@ -76,17 +77,25 @@ def _words(node: dict[str, Any], element: bool = False) -> str:
     if "$ref" in node or kind == "object":
         return "a table"
     if kind == "array":
+        rows = node.get("prefixItems", [])
+        first = rows[0] if rows else node["items"]
         if element:
-            return _words(node["items"])
-        if "prefixItems" not in node:
-            return "a list of strings" if node["items"].get("type") == "string" else "a list"
-        return "three numbers " + _words(node["prefixItems"][0]).removeprefix("a number ")
+            return _words(first)
+        if not rows:
+            return "a list of strings" if first.get("type") == "string" else "a list"
+        many = _COUNTS.get(len(rows), str(len(rows)))
+        if first.get("type") == "array":
+            return f"{many} rows of {_words(first)}"
+        return f"{many} {_words(first).removeprefix('a ').replace('number', 'numbers', 1)}"
     if kind == "boolean":
         return "true or false"
     if node.get("format") == "date-time":
         return "a date and time with its zone, such as 2025-10-18T18:28:00-04:00"
     longest = node.get("maxLength")
     return f"a string of at most {longest} characters" if longest else "a string"
+
+
+_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 
 
 def _figure(value: float) -> str:
