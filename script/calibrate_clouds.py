@@ -1,4 +1,4 @@
-"""Find how many clouds give which coverage, for every genus, and keep it in clouds/field/data/calibration.npz.
+"""Find how many clouds give which coverage, for every genus: writes clouds/field/data/calibration.npz.
 
 Run it when genera, shipped cloud models, or the field's cells, density or noise have changed; it takes two
 minutes. Layers whose numbers differ from the usual are calibrated when they are first used, less exactly.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 import fallstreak as fs
-from fallstreak.clouds.field.calibration import DATA, calibrate, key_of
+from fallstreak.clouds.field.calibration import DATA, FIELDS, calibrate, key_of
 from fallstreak.clouds.field.layers import Layer
 from fallstreak.clouds.field.model import model_names
 from fallstreak.clouds.genera import GENERA
@@ -26,10 +26,4 @@ if __name__ == "__main__":
         found.append(calibrate(layer, SIDE))
         print(f"{genus:18} {' '.join(f'{n:5.2f}' for n in found[-1].knots)}")
     DATA.parent.mkdir(exist_ok=True)
-    np.savez_compressed(
-        DATA,
-        keys=keys,
-        knots=[f.knots for f in found],
-        discs=[f.discs for f in found],
-        profile=[f.profile for f in found],
-    )
+    np.savez_compressed(DATA, keys=keys, **{name: [getattr(f, name) for f in found] for name in FIELDS})

@@ -1,8 +1,9 @@
 """How many clouds give the coverage that is asked for: found once for each layer, by looking.
 
 A few random columns of air through a patch of the layer, at several numbers of clouds per cell: the share of
-columns whose optical depth counts as a cloud (`Genus.visible_depth`), the area of the clouds, and optical depth
-by height. The first, turned round, is what cells need; the others are what puffs larger than clouds see.
+columns whose optical depth counts as a cloud (`Genus.visible_depth`), the area of the clouds, and optical
+depth by height. The first, turned round, is what cells need; the others are what puffs larger than clouds
+see.
 """
 
 from __future__ import annotations
@@ -42,15 +43,18 @@ class Calibration:
     profile : (9, 17)
         Optical depth below the ends of 16 equal parts of `Layer.bounds`, scaled so that the last is
         −ln of the mean transmittance of columns.
+    filled : (9, 17)
+        Mean density (0 to 1) below the same heights, times height, m.
     """
 
     knots: np.ndarray
     discs: np.ndarray
     profile: np.ndarray
+    filled: np.ndarray
 
 
 def calibration_of(layer: Layer) -> Calibration:
-    """The calibration of a layer: the shipped one where all that counts is as usual, else a new one (.5 s)."""
+    """The calibration of a layer: the shipped one if all that counts is as usual, else a new one (.5 s)."""
     key = key_of(layer)
     found = _kept.get(key) or _shipped().get(key)
     if found is None:
@@ -76,13 +80,15 @@ def key_of(layer: Layer) -> str:
     return digest.hexdigest()[:24]
 
 
+FIELDS = ("knots", "discs", "profile", "filled")
+
+
 @cache
 def _shipped() -> dict[str, Calibration]:
     with np.load(DATA) as held:
         tables = {name: held[name] for name in held.files}
     return {
-        str(key): Calibration(*(tables[name][i] for name in ("knots", "discs", "profile")))
-        for i, key in enumerate(tables["keys"])
+        str(key): Calibration(*(tables[name][i] for name in FIELDS)) for i, key in enumerate(tables["keys"])
     }
 
 
@@ -90,10 +96,12 @@ def calibrate(layer: Layer, side: int) -> Calibration:
     """Look how much of the sky numbers of clouds cover, in side² columns: error of the share .5 / side."""
     low, high = layer.bounds
     patch = _Patch(layer, side)
-    shares, discs, profiles = [0.0], [0.0], [np.zeros(HEIGHTS + 1)]
+    shares, discs, profiles, filled = [0.0], [0.0], [np.zeros(HEIGHTS + 1)], [np.zeros(HEIGHTS + 1)]
+    part = (high - low) / HEIGHTS
     for wanted in _WANTED:
         clouds = patch.clouds(wanted)
-        depths = patch.extinction(clouds) * (high - low) / HEIGHTS
+        density, extinction = patch.seen(clouds)
+        depths = extinction * part
         columns = depths.sum(1)
         shares.append(float((columns > layer.genus.visible_depth).mean()))
         discs.append(
@@ -101,14 +109,18 @@ def calibrate(layer: Layer, side: int) -> Calibration:
         )
         below = np.concatenate([[0.0], np.cumsum(depths.mean(0))])
         profiles.append(below * -np.log(np.exp(-columns).mean()) / max(below[-1], 1e-9))
+        filled.append(np.concatenate([[0.0], np.cumsum(density.mean(0))]) * part)
     # clouds that fall anywhere cover 1 − exp(−their number): nearly straight in this scale; where more clouds
     # change nothing, the fewest count
     clear = -np.log(1.0 - np.minimum(np.maximum.accumulate(shares), MOST)) + 1e-6 * np.arange(len(shares))
     grid = (0.0, *_WANTED)
     knots = np.interp(-np.log(1.0 - np.minimum(KNOTS, MOST)), clear, grid)
     area = np.interp(knots, grid, discs) + 1e-4 * np.arange(len(KNOTS))
-    profile = np.stack([np.interp(knots, grid, column) for column in np.transpose(profiles)], 1)
-    return Calibration(knots, area, profile)
+    tables = [
+        np.stack([np.interp(knots, grid, column) for column in np.transpose(rows)], 1)
+        for rows in (profiles, filled)
+    ]
+    return Calibration(knots, area, *tables)
 
 
 class _Patch:
@@ -134,9 +146,11 @@ class _Patch:
         """The patch's clouds where cells have so many on average."""
         return clouds_of(self.layer, self.cells, 0.0, np.full(len(self.cells), wanted))
 
-    def extinction(self, clouds: np.ndarray) -> np.ndarray:
-        """(columns, 16), 1/m, at the middles of equal parts of the layer's heights."""
+    def seen(self, clouds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Density and extinction (columns, 16), 1/m, at the middles of equal parts of the layer's heights."""
         boxes, models = self.packed.boxes, self.packed.models
         field, water = density.gathered(self.layer, boxes, models, clouds, self.rows, self.points)
         full = density.eaten(self.layer, field, self.noise)
-        return (water / np.maximum(field, 1e-12) * full).reshape(-1, HEIGHTS)
+        full[field <= 0.0] = 0.0
+        extinction = water / np.maximum(field, 1e-12) * full
+        return full.reshape(-1, HEIGHTS), extinction.reshape(-1, HEIGHTS)

@@ -3,8 +3,8 @@
 A grey PNG of 8 or 16 bits (black 0, white 1) lies where ``map.toml`` beside ``map.png`` says: the outer edges
 ``west east south north`` in degrees, or in metres from the anchor with ``crs = "metres"``. An .npz holds
 ``coverage`` (rows, columns), 0 to 1, and may hold ``east`` and ``north`` (m from the anchor) or ``lon`` and
-``lat`` (degrees), the places of its columns and rows. What does not say where it lies is centred on the anchor,
-north up, ``coverage_extent`` wide. Outside of a map there is its mean.
+``lat`` (degrees), the places of its columns and rows. What does not say where it lies is centred on the
+anchor, north up, ``coverage_extent`` wide. Outside of a map there is its mean.
 """
 
 from __future__ import annotations
@@ -158,8 +158,8 @@ def _sidecar(path: Path) -> tuple[tuple[float, ...] | None, bool]:
 def _check_degrees(path: Path, west: float, east: float, south: float, north: float) -> None:
     if not (-360.0 <= west <= 360.0 and east - west <= 360.0 and south >= -90.0 and north <= 90.0):
         raise WorldError(
-            f"{path}: {west:g} to {east:g} degrees east and {south:g} to {north:g} north; longitudes must span "
-            "at most 360, latitudes lie in -90 to 90"
+            f"{path}: {west:g} to {east:g} degrees east and {south:g} to {north:g} north; longitudes must "
+            "span at most 360, latitudes lie in -90 to 90"
         )
 
 

@@ -1,8 +1,8 @@
 """Extinction of one layer at places: float64 twin of ``density.wesl``.
 
 The field F at a place is the sum over the boxes of the clouds around of ``(1 - x/2)^2``, x the squared
-distance from the box's middle in units of its ellipsoid: 1/4 on the surface of a lone one. Noise shifts it, and
-density rises from 0 to 1 between F = 1/4 and 1/4 + the width of the edge.
+distance from the box's middle in units of its ellipsoid: 1/4 on the surface of a lone one. Noise shifts it,
+and density rises from 0 to 1 between F = 1/4 and 1/4 + the width of the edge.
 """
 
 from __future__ import annotations

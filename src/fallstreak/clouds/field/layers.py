@@ -14,7 +14,7 @@ from ..genera import GENERA, Genus
 from ..shapes import SWELL, CloudModel
 
 SEED = 0x5C10D5  # clouds have nothing to do with what else follows from the world's seed
-CLOSED = 0.85
+CLOSED = 0.93
 """Part of its circle that a closed cloud fills."""
 FINER = 4.3
 """The fine noise over the coarse."""
@@ -105,11 +105,13 @@ class Layer:
 
     @property
     def body(self) -> float:
-        """Mean horizontal half size of its clouds' boxes, m: what blurs beyond that size."""
-        parts = [float(m.boxes["half"][:, :2].mean()) / m.radius for m in self.models]
+        """Mean half size of its clouds' boxes, across or upright, whichever is less, m: the size of lumps."""
         large = 0.25  # mean of a cube of a random number
         radius = self.radius[0] + large * (self.radius[1] - self.radius[0])
-        return radius * sum(parts) / len(parts)
+        height = self.height[0] + (0.6 * large + 0.2) * (self.height[1] - self.height[0])
+        across = sum(float(m.boxes["half"][:, :2].mean()) / m.radius for m in self.models)
+        upright = sum(float(m.boxes["half"][:, 2].mean()) / m.height for m in self.models)
+        return min(radius * across, height * upright) / len(self.models)
 
 
 @lru_cache(maxsize=128)

@@ -62,8 +62,7 @@ def _soft(field: Field, index: int, points: np.ndarray, size: float, time: float
     soft = min(0.5 * size / layer.body, density.SURFACE)
     part = _smooth(density.SURFACE - soft, density.SURFACE + layer.genus.edge + soft, eaten)
     extinction = water / np.maximum(value, 1e-12)
-    through = np.maximum(1.0 - part + part * np.exp(-extinction * size), LEAST)
-    return np.where(value > 0.0, -np.log(through) / size, 0.0)
+    return np.where(value > 0.0, _broken(part, extinction, size), 0.0)
 
 
 def _statistical(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
@@ -80,8 +79,17 @@ def _statistical(field: Field, index: int, points: np.ndarray, size: float, time
         area = _discs(field, index, points, size, time)
         coverage += (1.0 - wide) * np.interp(area, found.discs, KNOTS)
     knot = np.interp(coverage, KNOTS, np.arange(len(KNOTS)))
-    top, bottom = (_depth_below(field, index, knot, points[:, 2] + h) for h in (0.5 * size, -0.5 * size))
-    return (top - bottom) / size
+    top, bottom = (_below(field, index, knot, points[:, 2] + h) for h in (0.5 * size, -0.5 * size))
+    depth, filled = ((t - b) / size for t, b in zip(top, bottom, strict=True))
+    # low blobs see what is filled at their height, high ones whole columns, in which clouds cover each other
+    low, high = layer.bounds
+    tall = _smooth(0.25, 1.0, size / (high - low))
+    return (1.0 - tall) * _broken(filled, 0.85 * layer.extinction, min(size, layer.body)) + tall * depth
+
+
+def _broken(part: np.ndarray, extinction: float | np.ndarray, size: float) -> np.ndarray:
+    """A part of the blob is filled, the rest is clear."""
+    return -np.log(np.maximum(1.0 - part + part * np.exp(-extinction * size), LEAST)) / size
 
 
 def _discs(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
@@ -95,17 +103,20 @@ def _discs(field: Field, index: int, points: np.ndarray, size: float, time: floa
     return (1.5 * near["formation"] * own / wide * k * k).sum(1)
 
 
-def _depth_below(field: Field, index: int, knot: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Optical depth of a layer below heights, by calibration."""
+def _below(field: Field, index: int, knot: np.ndarray, height: np.ndarray) -> list[np.ndarray]:
+    """Optical depth of columns of a layer below heights, and how much of them is filled; by calibration."""
     low, high = field.layers[index].bounds
-    profile = field.calibrations[index].profile
+    found = field.calibrations[index]
     row = np.minimum(knot.astype(np.int64), len(KNOTS) - 2)
     place = np.clip((height - low) / (high - low), 0.0, 1.0) * HEIGHTS
     part = np.minimum(place.astype(np.int64), HEIGHTS - 1)
     f, g = place - part, knot - row
-    below = profile[row, part] + f * (profile[row, part + 1] - profile[row, part])
-    above = profile[row + 1, part] + f * (profile[row + 1, part + 1] - profile[row + 1, part])
-    return below + g * (above - below)
+    out = []
+    for table in (found.profile, found.filled):
+        below = table[row, part] + f * (table[row, part + 1] - table[row, part])
+        above = table[row + 1, part] + f * (table[row + 1, part + 1] - table[row + 1, part])
+        out.append(below + g * (above - below))
+    return out
 
 
 def _smooth(low: float, high: float, x: float | np.ndarray) -> np.ndarray:

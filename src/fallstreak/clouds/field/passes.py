@@ -1,4 +1,4 @@
-"""The field on the GPU: the pass that makes the clouds about the camera, and what shaders bind to see them."""
+"""The field on the GPU: the pass that makes the clouds about the camera, what shaders bind to see them."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ class FieldPasses:
         graph.buffer("clouds.cells", count * self.window**2 * CLOUD_BYTES)
         graph.buffer_data("clouds.boxes", field.packed.boxes)
         graph.buffer_data("clouds.models", field.packed.models)
-        profiles = np.stack([c.profile for c in field.calibrations]).astype(np.float32)
-        graph.buffer_data("clouds.profiles", profiles)
+        profiles = np.stack([np.stack([c.profile, c.filled], -1) for c in field.calibrations])
+        graph.buffer_data("clouds.profiles", profiles.astype(np.float32))
         graph.texture_data("clouds.noise", volume.volume(), "rgba8unorm", dimension="3d")
         plans = [plan.values for plan in field.maps if plan is not None]
         maps = np.stack(plans or [np.ones((1, 1), np.float32)]).astype(np.float32)
@@ -103,7 +103,7 @@ class FieldPasses:
             values["words"][i] = *age.phases, *age.now
             values["next"][i, :2] = age.next
             along, across = (drifting @ axis for axis in noise_axes(layer))
-            values["origin"][i] = [_rest(v) for v in (along, across, FINER * along, FINER * across)]
+            values["origin"][i] = [_rest(float(v)) for v in (along, across, FINER * along, FINER * across)]
             plan = self.field.maps[i]
             if plan is not None:
                 values["map"][i] = *plan.place(*camera), *plan.per_metre

@@ -2,7 +2,8 @@
 
 Channels: billows (rounded lumps as on cauliflower, inverse cellular noise, 4 cells a side and finer), fBm of
 Perlin noise (4 cells and finer), fine billows (8 cells and finer), fibres (ridged Perlin noise). Every
-channel's values are spread evenly from 0 to 1, so that all are equally strong. CPU and GPU have the same bytes.
+channel's values are spread evenly from 0 to 1, so that all are equally strong. CPU and GPU have the same
+bytes.
 """
 
 from __future__ import annotations
