@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from math import hypot, sin, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..field.uniform import KNOTS
 from ..light import REACH
+
+if TYPE_CHECKING:
+    from ..field import Field
 
 REACHES = (3e3, 12e3, 48e3)
 """m from the camera to the sides of the maps in one another."""
+FAINTEST = 0.26
+"""Clouds that have formed less have no matter yet."""
+_PATCH = 24  # cells to each side by whose clouds `mean_density` goes
 LOWEST = sin(np.radians(2.0))
 """The key light throws shadows as if it stood at least so high (sine of its elevation)."""
 
@@ -33,7 +40,7 @@ def lumps(boxes: np.ndarray, models: np.ndarray) -> np.ndarray:
         mine = boxes[model["first"][0] :][: model["first"][1]]
         half = REACH * mine["half"].astype(float)
         far = np.abs(mine["centre"]).max(0) + half.max()
-        axes = [np.linspace(-f, f, 48) for f in far[:2]] + [np.linspace(0.0, far[2], 48)]
+        axes = [np.linspace(-f, f, 20) for f in far[:2]] + [np.linspace(0.0, far[2], 20)]
         points = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 1, 3)
         v = points - mine["centre"].astype(float)
         c, s = mine["cosine"].astype(float), mine["sine"].astype(float)
@@ -48,6 +55,32 @@ def lumps(boxes: np.ndarray, models: np.ndarray) -> np.ndarray:
         row[0] = *middle, volume / (4.0 / 3.0 * np.pi * wide * wide * high)
         row[1, :2] = wide, high
     return out.reshape(-1, 4)
+
+
+def mean_density(field: Field, layer: int, lumps: np.ndarray) -> float:
+    """Mean density of a layer's matter within the ellipsoids of its clouds' boxes.
+
+    Soft edges take from it; noise takes and adds; where clouds overlap, their fields close the gaps between
+    them. The layer's calibration knows what there is in the end.
+
+    Parameters
+    ----------
+    field : Field
+    layer : int
+    lumps : array from `lumps`
+    """
+    mine = field.layers[layer]
+    cells = np.stack(np.meshgrid(*[np.arange(-_PATCH, _PATCH)] * 2), -1).reshape(-1, 2)
+    clouds = field.clouds(layer, cells, 0.0)
+    clouds = clouds[clouds["formation"] > FAINTEST]
+    table = lumps.reshape(-1, 2, 4)[clouds["model"]].astype(float)
+    formed = (2.0 - clouds["formation"] ** -0.5) ** 1.5
+    scale = clouds["scale"].astype(float)
+    volumes = 4.0 / 3.0 * np.pi * table[:, 0, 3] * table[:, 1, 0] ** 2 * table[:, 1, 1]
+    ellipsoids = float((formed * volumes * scale[:, 0] ** 2 * scale[:, 1]).sum()) / len(cells) / mine.cell**2
+    filled = float(np.interp(mine.coverage, KNOTS, field.calibrations[layer].filled[:, -1]))
+    # there is less water near the base: .6 + .4 of the height in the cloud
+    return 0.78 * float(np.clip(filled / max(ellipsoids, 1e-6), 0.2, 4.0))
 
 
 def local_key(key: np.ndarray, up: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...gpu import Struct
 from ...world.state import map_coordinates
-from .model import local_key, lumps, shadow_values
+from .model import local_key, lumps, mean_density, shadow_values
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -25,6 +25,7 @@ CLOUD_SHADOW = Struct(
         ("per_height", "f32", "1/m, over the height from the lowest base to the highest top"),
         ("maps", "array<vec4f, 4>", "m: middle, half sizes (u, v); finest to widest, straight down"),
         ("blur", "f32", "m, height of the clouds above the ground that they light"),
+        ("dense", "array<vec4f, 2>", "by layer: mean density within the ellipsoids of the clouds' boxes"),
         ("moonlit", "f32", "1: the light is the moon's, 0: the sun's"),
     ],
 )
@@ -52,8 +53,12 @@ class ShadowMap:
         self._uniform = graph.uniform("clouds.shadow_frame", CLOUD_SHADOW)
         graph.texture("clouds.shadow", "rgba16float", (texels, texels, 4), dimension="2d-array")
         graph.texture("clouds.overhead", "rgba16float", (OVERHEAD, OVERHEAD))
-        packed = clouds.field.field.packed
-        graph.buffer_data("clouds.lumps", lumps(packed.boxes, packed.models))
+        field = clouds.field.field
+        made = lumps(field.packed.boxes, field.packed.models)
+        graph.buffer_data("clouds.lumps", made)
+        dense = np.zeros(8)
+        dense[: len(field.layers)] = [mean_density(field, i, made) for i in range(len(field.layers))]
+        self._uniform.set(dense=dense.reshape(2, 4))
         structs = [CLOUD_SHADOW, *clouds.field.structs]
         graph.compute(
             "clouds.shadow",
