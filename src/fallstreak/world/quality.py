@@ -32,7 +32,12 @@ class Quality:
     cloud_scale: int = 1  # pixels of the picture to one of the clouds, along a side
     cloud_cells: int = 128  # along a side of each layer's window: a cell may hold one cloud
     cloud_shadow: int = 192  # texels along a side of each map of the clouds' shadows
-    cloud_puffs: float = 60.0  # reach of large puffs over their size
+    cloud_puffs: int = 16000  # in sight, about
+    cloud_atlas: int = 4096  # texels along a side of the atlas of sphere clouds
+    # its sections, largest first: (texels along a side, how many)
+    cloud_sections: tuple[tuple[int, int], ...] = ((256, 64), (128, 192), (64, 1024), (16, 4096))
+    cloud_tiles: float = 256.0  # of 16 x 16 texels, drawn anew in a frame
+    cloud_near: int = 1  # texels of the clouds' picture to one of clouds about the camera, along a side
     # frame
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
@@ -60,8 +65,13 @@ QUALITY: dict[str, Quality] = {
         vegetation_radius=300.0,
         vegetation_pixels=(700.0, 220.0),
         cloud_scale=2,
+        cloud_atlas=1024,
+        cloud_sections=((128, 16), (64, 64), (32, 256), (16, 2048)),
+        cloud_tiles=32.0,
+        cloud_near=2,
         cloud_cells=96,
         cloud_shadow=96,
+        cloud_puffs=7000,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
@@ -69,7 +79,11 @@ QUALITY: dict[str, Quality] = {
     "medium": replace(
         _HIGH,
         name="medium",
+        cloud_atlas=2048,
+        cloud_sections=((256, 16), (128, 64), (64, 256), (16, 4096)),
+        cloud_tiles=96.0,
         cloud_shadow=128,
+        cloud_puffs=10000,
         terrain_error_px=2.5,
         terrain_detail=2,
         terrain_tiles=20,
@@ -81,6 +95,7 @@ QUALITY: dict[str, Quality] = {
         _HIGH,
         name="ultra",
         cloud_shadow=320,
+        cloud_puffs=24000,
         sky_view_size=(384, 216),
         sky_view_steps=40,
         aerial_size=(48, 48, 48),

@@ -3,9 +3,9 @@
 What it is
     The field is sampled on lattices of cells about the camera, one for each size and layer of clouds. A cell
     is a puff: a soft ball with as much matter as the field has there on average over its size, frayed by
-    noise. A puff is a function of its cell, and lattices drift with their layers, so that nothing swims as the
-    camera moves. Near ones are small, far ones large; where a size ends, the next takes over by shares that
-    make 1 (`levels`).
+    noise. A puff is a function of its cell, and lattices drift with their layers, so that nothing swims as
+    the camera moves. Near ones are small, far ones large; where a size ends, the next takes over by shares
+    that make 1 (`levels`).
 
 The way of a frame, all on the GPU
     ``clouds.puffs.buckets``  27 buckets about the camera for each size: those in sight name blocks of cells

@@ -44,6 +44,8 @@ class Slab:
     wind : (float, float)
         m/s, east and north.
     seed : int
+    cover : float
+        Part of the sky that its clouds cover.
     channel : int
         Of the noise that frays its small puffs.
     body : float
@@ -57,6 +59,7 @@ class Slab:
     extinction: float
     wind: tuple[float, float]
     seed: int
+    cover: float = 1.0
     channel: int = FBM
     body: float = 0.0
     along: tuple[float, float] = (1.0, 0.0)
@@ -97,20 +100,66 @@ class Grid:
         return self.blocks * self.block * self.cell
 
 
-def reaches(fineness: float) -> np.ndarray:
+def reaches(fineness: float | np.ndarray) -> np.ndarray:
     """Distance at which each size ends, m, without regard to what can be seen.
 
-    Sizes up to 10 m matter inside of clouds, where every direction is full of them and nothing is far:
-    these are drawn to ten times their own size. Large ones lie in thin layers and are drawn further.
+    Sizes up to 3 m matter inside of clouds, where every direction is full of them and nothing is far: these
+    are drawn to ten times their own size. Large ones lie in thin layers and are drawn further.
 
     Parameters
     ----------
-    fineness : float
+    fineness : float or (...)
         Reach over size of large puffs: the reciprocal of the angle under which one is seen where it ends.
+
+    Returns
+    -------
+    (13,) or (..., 13)
     """
     sizes = np.array(SIZES)
     t = np.clip((np.log10(sizes) - 0.5) / 2.0, 0.0, 1.0)
-    return sizes * (10.0 + (fineness - 10.0) * t * t * (3.0 - 2.0 * t))
+    return sizes * (10.0 + (np.asarray(fineness)[..., None] - 10.0) * t * t * (3.0 - 2.0 * t))
+
+
+def fineness_of(
+    slabs: tuple[Slab, ...], number: float, height: float, farthest: float, radius: float
+) -> float:
+    """How fine puffs may be so that about a number of them is in sight, wherever the camera is.
+
+    Of a sphere of radius R, seen from R + h, the part between distances a and b has an area of
+    ``pi R (b² - a²) / (R + h)``: so many columns of cells there are of each size. A picture shows about a
+    fifth of what is around, from space two fifths.
+
+    Parameters
+    ----------
+    slabs : the layers
+    number : puffs in sight
+    height : m above the sea
+    farthest : m, beyond which no clouds are drawn
+    radius : m, of the planet
+    """
+    sizes = np.array(SIZES)
+    ends = reaches(_FINENESS)
+    # in the middle of its fading a size has half of the matter
+    far = ends * (1.0 - 0.5 * FADE)
+    near = np.concatenate([np.zeros((len(ends), 1)), far[:, :-1]], 1)
+    total = np.zeros(len(ends))
+    for slab in slabs:
+        away = max(slab.low - height, height - slab.high, 0.0)
+        horizon = sqrt(2.0 * radius * max(height, 0.0)) + sqrt(2.0 * radius * slab.high)
+        most = min(farthest, horizon)
+        rows = np.maximum(np.round((slab.high - slab.low) / sizes), 1.0)
+        # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
+        filled = (0.35 * slab.cover) ** (1.0 / (1.0 + (sizes / max(slab.body, 1.0)) ** 2))
+        rows = np.minimum(rows, 8.0) * filled
+        area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
+        visible = sizes * slab.extinction > LEAST_DEPTH
+        total += (area * (rows * visible / sizes**2)).sum(1) * np.pi * radius / (radius + max(height, 0.0))
+    t = np.clip((np.log10(max(height, 1.0)) - 4.5) / 1.2, 0.0, 1.0)
+    shown = 0.2 + 0.2 * t * t * (3.0 - 2.0 * t)
+    return float(np.interp(np.log(number / shown), np.log(total + 1.0), _FINENESS))
+
+
+_FINENESS = np.geomspace(12.0, 250.0, 32)
 
 
 def grids(slabs: tuple[Slab, ...], ends: np.ndarray, height: float, farthest: float) -> list[Grid]:
@@ -155,9 +204,9 @@ def grid_struct(count: int) -> Struct:
             ("corner", f"array<vec4i, {count}>", "camera's cell (x, y); its bucket's first cell minus that"),
             ("place", f"array<vec4f, {count}>", "camera from its cell's corner (x, y), m; cell; row, m"),
             ("reach", f"array<vec4f, {count}>", "m: appears between (x, y), is gone between (z, w)"),
-            ("slab", f"array<vec4f, {count}>", "m: lowest and highest matter; floor of the lowest bucket; bucket"),
+            ("slab", f"array<vec4f, {count}>", "m: lowest, highest matter; lowest bucket's floor; bucket"),
             ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
-            ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; channel of the noise; its axis along the wind"),
+            ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; the noise's channel; its long axis"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
         ],

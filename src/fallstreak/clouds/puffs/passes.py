@@ -11,14 +11,15 @@ from ...world.state import FrameState, map_coordinates
 from ..frame import CLOUD_FRAME
 from ..order import add_order
 from ..shadow import CLOUD_SHADOW
-from .levels import FLAT_ROWS, SIZES, Grid, Slab, grid_struct, grid_values, grids, reaches
+from .levels import FLAT_ROWS, SIZES, Grid, Slab, fineness_of, grid_struct, grid_values, grids, reaches
 
 if TYPE_CHECKING:
     from ..passes import Clouds
 
-MOST_BLOCKS = 16384
+MOST_BLOCKS = 32768
 MOST_FOUND = 65536
 MOST_DRAWN = 30000
+MOST_WANTED = 24000  # the number in sight differs by a fifth
 _VERTICES = 3  # of a puff: a triangle about its disc
 _MATTER = "package::clouds::puffs::matter"
 
@@ -41,12 +42,13 @@ class Puffs:
     def __init__(self, graph: FrameGraph, clouds: Clouds):
         layers = clouds.field.field.layers
         slabs = tuple(_slab(layer) for layer in layers)
-        fineness = clouds.quality.cloud_puffs * clouds.world.clouds.puffs.density
+        # puffs along a side of a bucket: their number goes with the square
+        number = clouds.quality.cloud_puffs * clouds.world.clouds.puffs.density**2
         self._pieces = PuffPasses(
             graph,
             slabs,
             size=clouds.size,
-            fineness=fineness,
+            number=min(number, MOST_WANTED),
             matter=_MATTER,
             bind=clouds.field.bind,
             structs=clouds.field.structs,
@@ -72,6 +74,7 @@ def _slab(layer: Any) -> Slab:
         layer.extinction,
         layer.wind,
         layer.seed & 0xFFFFFFFF,
+        layer.coverage,
         int(np.argmax(genus.look)),
         layer.body,
         (float(along[0]), float(along[1])),
@@ -89,8 +92,8 @@ class PuffPasses:
         The layers.
     size : (int, int)
         Of ``clouds.layer``.
-    fineness : float
-        See `reaches`.
+    number : float
+        Of puffs to be in sight, about.
     matter : str
         WESL module with `layer_mean_extinction`.
     bind, structs, constants
@@ -107,7 +110,7 @@ class PuffPasses:
         slabs: tuple[Slab, ...],
         *,
         size: tuple[int, int],
-        fineness: float,
+        number: float,
         matter: str,
         bind: dict[str, str] | None = None,
         structs: Any = (),
@@ -117,7 +120,7 @@ class PuffPasses:
     ):
         self.slabs = slabs
         self.grids: list[Grid] = []
-        self._fineness = fineness
+        self._number = number
         self._count = len(slabs) * len(SIZES)
         struct = grid_struct(self._count)
         self._uniform = graph.uniform("clouds.puffs.grids", struct)
@@ -223,7 +226,9 @@ class PuffPasses:
         """
         # from high above, clouds are seen to the horizon
         farthest = max(visibility, 6.0 * state.altitude)
-        self.grids = grids(self.slabs, reaches(self._fineness), state.altitude, farthest)
+        height, radius = state.altitude, state.planet_radius
+        fineness = fineness_of(self.slabs, self._number, height, farthest, radius)
+        self.grids = grids(self.slabs, reaches(fineness), height, farthest)
         values = grid_values(
             self.slabs,
             self.grids,
