@@ -82,7 +82,9 @@ class Pipeline:
         add_lighting(graph, world, quality, size, clouds=shadows)
         add_clouds(graph, self.clouds)
         self._resolve = (
-            Temporal(graph, size, fast=quality.temporal_fast) if temporal else Accumulate(graph, size)
+            Temporal(graph, size, fast=quality.temporal_fast, clouds=self.clouds.any)
+            if temporal
+            else Accumulate(graph, size)
         )
         self._temporal = temporal
         self.light = "frame.resolved" if temporal else "frame.accumulation"

@@ -4,9 +4,9 @@
     temporal.update(reset=first_frame)            # each frame
     jitter = sequence_jitter(index)               # pixels, for the camera of that frame
 
-Reads ``view``, ``frame.hdr``, ``gbuffer.depth``, ``gbuffer.motion`` and ``frame.exposure@previous``. The
-result of a frame depends on all frames since the reset, so a sequence must be replayed or restored to go on
-as before.
+Reads ``view``, ``frame.hdr``, ``gbuffer.depth``, ``gbuffer.motion``, ``frame.exposure@previous`` and, where
+there are clouds, ``clouds.layer``, by whose distances they move. The result of a frame depends on all frames
+since the reset, so a sequence must be replayed or restored to go on as before.
 """
 
 from __future__ import annotations
@@ -38,7 +38,13 @@ class Temporal:
     """Temporal anti-aliasing of ``picture`` into ``frame.resolved``."""
 
     def __init__(
-        self, graph: FrameGraph, size: tuple[int, int], picture: str = "frame.hdr", *, fast: bool = False
+        self,
+        graph: FrameGraph,
+        size: tuple[int, int],
+        picture: str = "frame.hdr",
+        *,
+        fast: bool = False,
+        clouds: bool = False,
     ):
         graph.texture("frame.resolved", "rgba16float", size, history=True)
         # Old enough for the steady weight: without a reset, the history was restored from a longer run.
@@ -57,9 +63,10 @@ class Temporal:
                 "depth_buffer": "gbuffer.depth",
                 "motion_buffer": "gbuffer.motion",
                 "linear": "sampler:linear-clamp",
+                "layer": "clouds.layer",
             },
             structs=[TEMPORAL, EXPOSURE],
-            flags={"FAST": fast},
+            flags={"FAST": fast, "CLOUDS": clouds},
         )
 
     def update(self, *, reset: bool = False) -> None:
