@@ -59,7 +59,14 @@ class FakeRenderer:
             stats={},
             **{
                 name: self.history[..., :n].squeeze().astype(np.float32)
-                for name, n in {"hdr": 3, "depth": 1, "normal": 3, "albedo": 3, "motion": 2}.items()
+                for name, n in {
+                    "hdr": 3,
+                    "depth": 1,
+                    "normal": 3,
+                    "albedo": 3,
+                    "motion": 2,
+                    "clouds": 1,
+                }.items()
                 if name in self.options["layers"]
             },
         )
@@ -140,7 +147,7 @@ def test_options_reach_the_renderer_and_the_world():
 
 def test_an_exr_has_all_layers_by_default():
     assert main(["render", "jacksboro", *SMALL, "-o", "b.exr"]) == 0
-    assert read_metadata("b.exr")["layers"] == ["hdr", "depth", "normal", "albedo", "motion"]
+    assert read_metadata("b.exr")["layers"] == ["hdr", "depth", "normal", "albedo", "motion", "clouds"]
 
 
 def test_stats(capsys):

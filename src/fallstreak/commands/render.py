@@ -64,7 +64,7 @@ def render(
     set
         Any key of the scene, KEY=VALUE: sky.turbidity=4; repeatable.
     layers
-        What goes into .exr and .npz: hdr,depth,normal,albedo,motion. [default: all]
+        What goes into .exr and .npz: hdr,depth,normal,albedo,motion,clouds. [default: all]
     quality
         How much work to spend on a frame.
     samples

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-LAYERS = ("hdr", "depth", "normal", "albedo", "motion")
+LAYERS = ("hdr", "depth", "normal", "albedo", "motion", "clouds")
 """What a frame can hold besides the picture itself."""
 
 
@@ -34,6 +34,8 @@ class Frame:
         Linear Rec. 709, 0 to 1.
     motion : (H, W, 2) float32
         Position now minus position in the frame before, in pixels, right and down.
+    clouds : (H, W) float32
+        Opacity of the clouds in front of what lies behind, 0 to 1; at the clouds' own resolution, repeated.
     metadata : dict
         Scene, time, frame, seed, version, adapter, size, samples, ev100: the same for every run.
     stats : dict
@@ -49,6 +51,7 @@ class Frame:
     normal: np.ndarray | None = None
     albedo: np.ndarray | None = None
     motion: np.ndarray | None = None
+    clouds: np.ndarray | None = None
     stats: Mapping[str, Any] = field(default_factory=dict)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -84,6 +87,16 @@ def decode_normal(packed: np.ndarray, covered: np.ndarray) -> np.ndarray:
 def decode_albedo(packed: np.ndarray) -> np.ndarray:
     """Linear albedo of the G-buffer's square-rooted rgba8unorm."""
     return (packed[..., :3].astype(np.float32) / 255.0) ** 2
+
+
+def decode_clouds(layer: np.ndarray | None, size: tuple[int, int]) -> np.ndarray:
+    """Opacity (H, W) from ``clouds.layer``, which may be coarser than the picture of `size` (width, height)."""
+    width, height = size
+    if layer is None:
+        return np.zeros((height, width), np.float32)
+    rows = (2 * np.arange(height) + 1) * layer.shape[0] // (2 * height)
+    columns = (2 * np.arange(width) + 1) * layer.shape[1] // (2 * width)
+    return np.clip(layer[..., 3].astype(np.float32)[rows[:, None], columns], 0.0, 1.0)
 
 
 def decode_motion(motion: np.ndarray) -> np.ndarray:

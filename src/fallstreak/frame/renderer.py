@@ -53,6 +53,7 @@ _SOURCES = {
     "normal": "gbuffer.normal",
     "albedo": "gbuffer.albedo",
     "motion": "gbuffer.motion",
+    "clouds": "clouds.layer",
 }
 
 
@@ -76,7 +77,8 @@ class Renderer:
     still : bool
         Frames stand alone: no motion, the exposure settles at once. `render` uses it.
     layers : sequence of str, or one
-        What to keep of a frame besides the picture: "hdr", "depth", "normal", "albedo", "motion".
+        What to keep of a frame besides the picture: "hdr", "depth", "normal", "albedo", "motion",
+        "clouds".
     bits : 8 or 16
         Of the picture.
     adapter : str, optional
@@ -238,6 +240,8 @@ class Renderer:
         """What is read back of a frame: layer -> resource."""
         found = {"ldr": "frame.ldr"}
         for layer in self.layers:
+            if layer == "clouds" and not self.world.clouds.layers:
+                continue
             found[layer] = _SOURCES.get(layer) or self.pipeline.light
         if {"normal", "albedo"} & set(self.layers):
             found["depth"] = "gbuffer.depth"
@@ -429,6 +433,8 @@ class PendingFrame:
             values["albedo"] = decode.decode_albedo(raw["albedo"])
         if "motion" in wanted:
             values["motion"] = decode.decode_motion(raw["motion"])
+        if "clouds" in wanted:
+            values["clouds"] = decode.decode_clouds(raw.get("clouds"), renderer.size)
         metadata = {**renderer._metadata(self.index), "ev100": round(exposure["ev100"], 4)}
         return Frame(metadata=metadata, stats={"frame_ms": renderer._frame_ms}, **values)
 

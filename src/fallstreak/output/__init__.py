@@ -8,8 +8,8 @@ uninterrupted one.
 | suffix | holds | units |
 |---|---|---|
 | `.png` | the finished picture, 8 or 16 bit | sRGB (display-referred) |
-| `.exr` | R G B, Z, N.X N.Y N.Z, albedo.R G B, motion.X Y as float32 | cd/m², metres, pixels |
-| `.npz` | hdr, depth, normal, albedo, motion, ldr, metadata | the same |
+| `.exr` | R G B, Z, N.X N.Y N.Z, albedo.R G B, motion.X Y, clouds.A as float32 | cd/m², metres, pixels |
+| `.npz` | hdr, depth, normal, albedo, motion, clouds, ldr, metadata | the same |
 
 Depth is the distance from the camera along the ray of the pixel, in metres; the sky is at infinity.
 """

@@ -31,6 +31,8 @@ class FrameLike(Protocol):
     motion : ndarray of float32, shape (H, W, 2)
         Where the point now in this pixel came from: position now − position in the frame before, pixels, x
         right, y down.
+    clouds : ndarray of float32, shape (H, W)
+        Opacity of the clouds in front, 0 to 1.
     metadata : mapping
         Scene, time, frame, seed, version, adapter, size, samples, ev100: nothing that differs between two
         runs.
@@ -67,6 +69,7 @@ LAYERS = {
         Layer(
             "motion", ("motion.X", "motion.Y"), "position now - position in the frame before, pixels, y down"
         ),
+        Layer("clouds", ("clouds.A",), "opacity of the clouds in front of what lies behind, 0 to 1"),
     )
 }
 

@@ -41,8 +41,8 @@ def save(
         Ends in .png, .exr or .npz. Its folder must exist. A file already there is replaced at once when the
         new one is complete.
     layers : iterable of str, optional
-        For .exr and .npz: which of "hdr", "depth", "normal", "albedo", "motion"; by default all that were
-        rendered.
+        For .exr and .npz: which of "hdr", "depth", "normal", "albedo", "motion", "clouds"; by default all
+        that were rendered.
     bits : {8, 16}, optional
         For .png: bits per channel; by default what was rendered.
     facts : mapping, optional
