@@ -1,0 +1,105 @@
+"""All sprites of a world's cloud models, as the GPU chooses among them: three levels of detail of each model.
+
+The coarsest is one sprite that stands for a whole cloud, then come those that stand for a box each, then the
+small ones that lie about under the boxes' surfaces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..shapes import SWELL
+from ..shapes.pack import Packed
+
+WHOLE, BOX, FINE = 0, 1, 2
+"""Levels of detail."""
+
+STOCK = np.dtype(
+    [
+        ("centre", "<f4", 3),
+        ("level", "<u4"),
+        ("half", "<f4", 3),
+        ("widening", "<f4"),
+        ("turn", "<f4", 2),
+        ("density", "<f4"),
+        ("look", "<u4"),
+        ("middle", "<f4", 3),
+        ("share", "<f4"),
+    ]
+)
+"""64 bytes, in the model's space, m. `half`: half axes of the ellipsoid; they grow by `widening` for each metre
+that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture, chance << 8, shading group << 16;
+`middle`: of the shading group; `share`: of the fine sprites of a model, those drawn at this density and more."""
+
+
+def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
+    """Sprites of all models, by model and level, and where they begin.
+
+    Parameters
+    ----------
+    packed : Packed
+
+    Returns
+    -------
+    sprites : (n,) of `STOCK`
+    first : (models, 4) uint32
+        Of each model: first sprite (the whole one), number of sprites of boxes (they follow), number of fine
+        ones (they come last), nothing.
+    """
+    rows: list[np.ndarray] = []
+    first = np.zeros((len(packed.models), 4), np.uint32)
+    at = 0
+    for entry, model in zip(first, packed.models, strict=True):
+        first_box, boxes, first_sprite, sprites = (int(v) for v in model["first"])
+        own = packed.boxes[first_box : first_box + boxes]
+        made = _of_model(own, packed.sprites[first_sprite : first_sprite + sprites], first_box)
+        entry[:3] = at, (made["level"] == BOX).sum(), (made["level"] == FINE).sum()
+        rows.append(made)
+        at += len(made)
+    return np.concatenate(rows), first
+
+
+def _of_model(boxes: np.ndarray, sprites: np.ndarray, first_box: int) -> np.ndarray:
+    out = np.zeros(1 + len(sprites), STOCK)
+    out[0] = _whole(boxes)
+    box = boxes[sprites["word"][:, 0] - first_box]
+    rest = out[1:]
+    rest["centre"], rest["density"] = sprites["centre"], box["density"]
+    rest["half"] = SWELL * sprites["size"][:, None] * box["half"]
+    rest["widening"] = SWELL * sprites["size"]
+    rest["turn"] = np.stack([box["cosine"], box["sine"]], -1)
+    word = sprites["word"]
+    rest["look"] = word[:, 1] | word[:, 2] << 8 | word[:, 3] << 16
+    rest["level"] = np.where(_is_first(word[:, 0]), BOX, FINE)
+    rest["share"] = (word[:, 2] + 0.5) / 256.0
+    groups = word[:, 3]
+    for group in np.unique(groups):
+        within = boxes["group"] == group
+        weight = boxes["half"][within].prod(1)
+        rest["middle"][groups == group] = np.average(boxes["centre"][within], axis=0, weights=weight)
+    return out[np.argsort(out["level"], kind="stable")]
+
+
+def _is_first(box: np.ndarray) -> np.ndarray:
+    """Of sprites listed by box, those that are the first of theirs."""
+    return np.append(True, box[1:] != box[:-1]) if len(box) else np.zeros(0, bool)
+
+
+def _whole(boxes: np.ndarray) -> np.void:
+    """One ellipsoid with the place and about the outline of all boxes: matter's mean and spread."""
+    row = np.zeros((), STOCK)
+    volume = boxes["half"].prod(1).astype(float)
+    weight = volume / volume.sum()
+    centre = weight @ boxes["centre"]
+    c, s = boxes["cosine"], boxes["sine"]
+    half = boxes["half"].astype(float)
+    along = np.stack(
+        [np.hypot(c * half[:, 0], s * half[:, 1]), np.hypot(s * half[:, 0], c * half[:, 1]), half[:, 2]], -1
+    )
+    # of a ball of matter, the mean of the square of each coordinate is a fifth of its radius'
+    spread = weight @ ((boxes["centre"] - centre) ** 2 + along**2 / 5.0)
+    row["centre"], row["middle"] = centre, centre
+    row["half"] = SWELL * np.sqrt(5.0 * spread)
+    row["widening"], row["turn"], row["density"] = SWELL, (1.0, 0.0), weight @ boxes["density"]
+    row["level"], row["share"] = WHOLE, 0.0
+    return row[()]
