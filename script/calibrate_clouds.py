@@ -6,12 +6,15 @@ minutes. Layers whose numbers differ from the usual are calibrated when they are
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 import fallstreak as fs
 from fallstreak.clouds.field.calibration import DATA, FIELDS, calibrate, key_of
 from fallstreak.clouds.field.layers import Layer
-from fallstreak.clouds.field.model import model_names
+from fallstreak.clouds.field.mean import fitted
+from fallstreak.clouds.field.model import Field, model_names
 from fallstreak.clouds.genera import GENERA
 from fallstreak.clouds.shapes import load
 
@@ -23,7 +26,12 @@ if __name__ == "__main__":
         world = fs.World(clouds={"layers": [{"genus": genus}]})
         layer = Layer.of(world, 0, tuple(load(model_names(world.clouds.layers[0]))))
         keys.append(key_of(layer))
-        found.append(calibrate(layer, SIDE))
-        print(f"{genus:18} {' '.join(f'{n:5.2f}' for n in found[-1].knots)}")
+        plain = calibrate(layer, SIDE)
+        field = Field((replace(layer, coverage=0.4, clustering=0.0),), (None,), (plain,))
+        found.append(replace(plain, blobs=fitted(field)))
+        print(
+            f"{genus:18} {' '.join(f'{n:5.2f}' for n in found[-1].knots)} | "
+            f"{' '.join(f'{n:4.2f}' for n in found[-1].blobs)}"
+        )
     DATA.parent.mkdir(exist_ok=True)
     np.savez_compressed(DATA, keys=keys, **{name: [getattr(f, name) for f in found] for name in FIELDS})

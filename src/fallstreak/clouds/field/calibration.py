@@ -24,6 +24,7 @@ from .uniform import HEIGHTS, KNOTS
 _WANTED = (0.08, 0.17, 0.3, 0.45, 0.65, 0.85, 1.0, 1.3, 1.75, 2.4, 3.4, 5.0, 7.0)
 MOST = 0.995
 """Coverage beyond which nothing more is asked for."""
+BLOBS = 8
 _QUICK = 36  # cells along a side of the patch that is looked at; one column in each
 _SEED = 5
 _VERSION = b"1"  # to be raised when cells.py, density.py or volume.py change what they give
@@ -45,12 +46,16 @@ class Calibration:
         −ln of the mean transmittance of columns.
     filled : (9, 17)
         Mean density (0 to 1) below the same heights, times height, m.
+    blobs : (8,)
+        Exponents of the opacity of blobs of ¼, ½, 1 … 32 times `Layer.body`, see `mean.fitted`; ones where
+        nobody looked.
     """
 
     knots: np.ndarray
     discs: np.ndarray
     profile: np.ndarray
     filled: np.ndarray
+    blobs: np.ndarray
 
 
 def calibration_of(layer: Layer) -> Calibration:
@@ -80,7 +85,7 @@ def key_of(layer: Layer) -> str:
     return digest.hexdigest()[:24]
 
 
-FIELDS = ("knots", "discs", "profile", "filled")
+FIELDS = ("knots", "discs", "profile", "filled", "blobs")
 
 
 @cache
@@ -120,7 +125,7 @@ def calibrate(layer: Layer, side: int) -> Calibration:
         np.stack([np.interp(knots, grid, column) for column in np.transpose(rows)], 1)
         for rows in (profiles, filled)
     ]
-    return Calibration(knots, area, *tables)
+    return Calibration(knots, area, *tables, np.ones(BLOBS))
 
 
 class _Patch:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from . import density
+from .calibration import BLOBS
 from .cells import patchy
 from .model import Field
 from .uniform import HEIGHTS, KNOTS
 
-LEAST = 1e-20
+LEAST = 1e-6
 """Transmittance: whatever lets less through is as black."""
 
 
@@ -49,7 +50,52 @@ def _layer_mean(field: Field, index: int, points: np.ndarray, size: float, time:
         out[at] += (1.0 - blurred) * _soft(field, index, points[at], size, time)
     if blurred > 0.0:
         out[at] += blurred * _statistical(field, index, points[at], size, time)
-    return out
+    exponents = [1.0, *field.calibrations[index].blobs]
+    opacity = 1.0 - np.maximum(np.exp(-out * size), LEAST)
+    opacity **= np.interp(np.log2(size / layer.body) + 3.0, np.arange(len(exponents)), exponents)
+    return -np.log(np.maximum(1.0 - opacity, LEAST)) / size
+
+
+def fitted(field: Field) -> np.ndarray:
+    """Exponents by which blobs of `BLOBS` sizes let through what they should on average over the first layer.
+
+    The field must have been calibrated without: ones.
+    """
+    layer = field.layers[0]
+    low, high = layer.bounds
+    random = np.random.default_rng(7)
+    blobs, lines, steps = 400, 8, 12
+    out = []
+    for k in range(BLOBS):
+        size = layer.body * 2.0 ** (k - 2)
+        place = random.uniform(size=(blobs, 3)) * [80 * layer.cell, 80 * layer.cell, high - low]
+        place[:, 2] += low
+        want = seen_through(field, place, size, lines, steps, random)
+        opacity = -np.expm1(-size * _layer_mean(field, 0, place, size, 0.0))
+        least, most = 0.6, 1.7
+        for _ in range(20):
+            middle = np.sqrt(least * most)
+            if (opacity**middle).mean() > 1.0 - want.mean():
+                least = middle
+            else:
+                most = middle
+        out.append(middle)
+    return np.array(out)
+
+
+def seen_through(
+    field: Field, places: np.ndarray, size: float, lines: int, steps: int, random: np.random.Generator
+) -> np.ndarray:
+    """Mean transmittance of upright lines through cubes of the field's first layer, at time 0: (n,)."""
+    low, high = field.layers[0].bounds
+    off = (random.uniform(size=(len(places), lines, 1, 2)) - 0.5) * size
+    bottom = np.clip(places[:, 2] - 0.5 * size, low, high)
+    part = np.clip(places[:, 2] + 0.5 * size, low, high) - bottom
+    points = np.empty((len(places), lines, steps, 3))
+    points[..., :2] = places[:, None, None, :2] + off
+    points[..., 2] = (bottom[:, None] + part[:, None] * (np.arange(steps) + 0.5) / steps)[:, None]
+    extinction = field.layer_extinction(0, points.reshape(-1, 3), 0.0).reshape(len(places), lines, steps)
+    return np.exp(-extinction.mean(-1) * part[:, None]).mean(1)
 
 
 def _soft(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:

@@ -25,6 +25,8 @@ class Field:
     layers : sequence of Layer
     maps : sequence of CoverageMap or None
         For each layer.
+    calibrations : sequence of Calibration, optional
+        For each layer; looked up or made unless given.
 
     Attributes
     ----------
@@ -32,15 +34,19 @@ class Field:
         All layers' models.
     first : list of int
         Each layer's first model in it.
-    calibrations : list of Calibration
     """
 
-    def __init__(self, layers: tuple[Layer, ...], maps: tuple[CoverageMap | None, ...]):
+    def __init__(
+        self,
+        layers: tuple[Layer, ...],
+        maps: tuple[CoverageMap | None, ...],
+        calibrations: tuple[Calibration, ...] | None = None,
+    ):
         self.layers, self.maps = layers, maps
         self.packed = pack([model for layer in layers for model in layer.models])
         counts = [len(layer.models) for layer in layers]
         self.first = [sum(counts[:i]) for i in range(len(counts))]
-        self.calibrations: list[Calibration] = [calibration_of(layer) for layer in layers]
+        self.calibrations = calibrations or tuple(calibration_of(layer) for layer in layers)
 
     def coverage(self, index: int, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Coverage that is asked for of a layer at places, without patches."""

@@ -134,8 +134,9 @@ class FieldPasses:
             out["look"][i] = genus.look
             out["widening"][i, 0] = layer.gap
             out["knots_low"][i], out["knots_high"][i] = knots[1:5], knots[5:]
-            discs = field.calibrations[i].discs
+            discs, blobs = field.calibrations[i].discs, field.calibrations[i].blobs
             out["discs_low"][i], out["discs_high"][i] = discs[1:5], discs[5:]
+            out["blobs_low"][i], out["blobs_high"][i] = blobs[:4], blobs[4:]
         return out
 
 

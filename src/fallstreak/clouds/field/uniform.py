@@ -33,5 +33,7 @@ CLOUD_FIELD = Struct(
         ("knots_high", "array<vec4f, 8>", "and at knots 5 to 8"),
         ("discs_low", "array<vec4f, 8>", "area of clouds over that of cells at knots 1 to 4"),
         ("discs_high", "array<vec4f, 8>", "and at knots 5 to 8"),
+        ("blobs_low", "array<vec4f, 8>", "exponents of the opacity of blobs, 1/4, 1/2, 1, 2 bodies large"),
+        ("blobs_high", "array<vec4f, 8>", "and of 4, 8, 16, 32"),
     ],
 )
