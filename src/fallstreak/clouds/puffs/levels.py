@@ -184,12 +184,13 @@ def grids(slabs: tuple[Slab, ...], ends: np.ndarray, height: float, farthest: fl
                 continue
             if end > below:
                 # the smallest vanish before the camera is inside of them
-                near = (begins * (1.0 - FADE), begins) if begins else (0.5 * size, 1.5 * size)
-                far = (end * (1.0 - (0.15 if last else FADE)), end)
+                appears = begins * (1.0 - FADE) if begins else 0.5 * size
+                there = begins or 1.5 * size
+                fades = end * (1.0 - (0.15 if last else FADE))
                 rows = max(1, round((slab.high - slab.low) / size))
                 block = 8 if rows <= FLAT_ROWS else 4
                 blocks = ceil(end / (block * size))
-                found.append(Grid(layer, level, size, rows, blocks, (*near, *far)))
+                found.append(Grid(layer, level, size, rows, blocks, (appears, there, fades, end)))
             begins = end
             if last:
                 break

@@ -54,6 +54,7 @@ class Puffs:
             structs=clouds.field.structs,
             constants=clouds.field.constants,
             shadow=clouds.shadow is not None,
+            detail=clouds.quality.cloud_scale == 1,
         )
         self._visibility = float(clouds.world.clouds.visibility)
 
@@ -65,19 +66,25 @@ class Puffs:
         """Find which sizes of puffs a frame needs."""
         self._pieces.update(state, self._visibility)
 
+    def counts(self) -> dict[str, int]:
+        """Of the last frame, see `PuffPasses.counts`."""
+        return self._pieces.counts()
+
 
 def _slab(layer: Any) -> Slab:
     genus = layer.genus
     along = np.array([np.cos(layer.towards), np.sin(layer.towards)]) / genus.stretch
+    low, high = layer.bounds
     return Slab(
-        *layer.bounds,
+        low,
+        high,
         layer.extinction,
         layer.wind,
         layer.seed & 0xFFFFFFFF,
-        layer.coverage,
-        int(np.argmax(genus.look)),
-        layer.body,
-        (float(along[0]), float(along[1])),
+        cover=layer.coverage,
+        channel=int(np.argmax(genus.look)),
+        body=layer.body,
+        along=(float(along[0]), float(along[1])),
     )
 
 
@@ -100,6 +107,8 @@ class PuffPasses:
         What that module needs.
     shadow : bool
         Whether there is a map of the clouds' shadows.
+    detail : bool
+        Whether puffs are frayed finely, too.
     everywhere : bool
         Also what is out of sight, to count what buckets save.
     """
@@ -116,8 +125,10 @@ class PuffPasses:
         structs: Any = (),
         constants: dict[str, Any] | None = None,
         shadow: bool = False,
+        detail: bool = False,
         everywhere: bool = False,
     ):
+        self._graph = graph
         self.slabs = slabs
         self.grids: list[Grid] = []
         self._number = number
@@ -142,10 +153,10 @@ class PuffPasses:
             "found": "clouds.puffs.found",
             "draw": "clouds.puffs.arguments",
         }
-        graph.buffer("clouds.puffs.block_count", 32, usage=("indirect",))
-        graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",))
+        graph.buffer("clouds.puffs.block_count", 32, usage=("indirect",), persistent=True)
+        graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",), persistent=True)
         graph.buffer("clouds.puffs.blocks", 16 * MOST_BLOCKS)
-        graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",))
+        graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",), persistent=True)
         graph.buffer("clouds.puffs.puffs", 128 * MOST_DRAWN)
         graph.buffer("clouds.puffs.keys", 8 * MOST_DRAWN)
 
@@ -213,8 +224,38 @@ class PuffPasses:
                 "scene": "gbuffer.depth",
             },
             indirect=counts["draw"],
+            flags={"DETAIL": detail},
             **common,
         )
+
+    def counts(self) -> dict[str, int]:
+        """What the last frame did; waits for the GPU.
+
+        Returns
+        -------
+        dict
+            ``buckets``: all of them; ``buckets_in_sight``; ``evaluated``: cells that were looked at; ``found``:
+            puffs of these; ``drawn``: those that others do not hide; and ``found`` by their size in metres.
+        """
+
+        def words(name: str) -> np.ndarray:
+            return np.asarray(self._graph.read(name)).view(np.uint32).ravel()
+
+        blocks, found = words("clouds.puffs.block_count"), words("clouds.puffs.found")
+        sizes = [SIZES[grid.level] for grid in self.grids]
+        grid_of = found[4 : 4 + 8 * int(found[3])].reshape(-1, 8)[:, 5]
+        by_grid = np.bincount(grid_of, minlength=len(sizes))
+        each = {f"{size:.3g} m": 0 for size in sorted(set(sizes))}
+        for size, number in zip(sizes, by_grid, strict=True):
+            each[f"{size:.3g} m"] += int(number)
+        return {
+            "buckets": 27 * len(self.grids),
+            "buckets_in_sight": int(blocks[3]),
+            "evaluated": 64 * int(blocks[0]),
+            "found": int(found[3]),
+            "drawn": int(words("clouds.puffs.arguments")[4]),
+            **each,
+        }
 
     def update(self, state: FrameState, visibility: float) -> None:
         """Find which sizes of puffs a frame needs.
