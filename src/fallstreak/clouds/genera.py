@@ -2,8 +2,8 @@
 
 Heights and thicknesses are those of middle latitudes (World Meteorological Organization, International Cloud
 Atlas: low clouds below 2 km, middle ones 2 to 7 km, high ones 5 to 13 km). Extinction follows from liquid or
-ice water content and effective radius, ``3 w / (2 rho r)`` (geometric optics, Q = 2); water contents and radii
-are typical ones of in-situ measurements (Rogers and Yau 1989, "A Short Course in Cloud Physics", chapters 5
+ice water content and effective radius, ``3 w / (2 rho r)`` (geometric optics, Q = 2); contents and radii are
+typical ones of in-situ measurements (Rogers and Yau 1989, "A Short Course in Cloud Physics", chapters 5
 and 6; Miles, Verlinde, Clothiaux 2000 for stratus; Heymsfield and McFarquhar 2002 for cirrus). Lifetimes: a
 fair-weather cumulus lives for 10 to 30 minutes. The rest is looks.
 """
@@ -94,19 +94,23 @@ class Genus:
 GENERA: dict[str, Genus] = {
     "cumulus_humilis": Genus(
         base=1000.0, thickness=380.0, water=0.25, drop=8.0, cell=1120.0, radius=(230.0, 980.0),
-        height=(0.55, 1.3), lifetime=1200.0, wind=7.0, tile=1500.0, base_spread=50.0, soft=50.0, amplitude=0.42,
+        height=(0.55, 1.3), lifetime=1200.0, wind=7.0, tile=1500.0, base_spread=50.0, soft=50.0,
+        amplitude=0.42,
     ),
     "cumulus_mediocris": Genus(
         base=1000.0, thickness=1000.0, water=0.4, drop=9.0, cell=2000.0, radius=(400.0, 1700.0),
-        height=(0.5, 1.3), lifetime=1800.0, wind=8.0, tile=2400.0, base_spread=70.0, soft=70.0, amplitude=0.42,
+        height=(0.5, 1.3), lifetime=1800.0, wind=8.0, tile=2400.0, base_spread=70.0, soft=70.0,
+        amplitude=0.42,
     ),
     "cumulus_congestus": Genus(
         base=900.0, thickness=3200.0, water=0.8, drop=11.0, cell=3900.0, radius=(850.0, 3100.0),
-        height=(0.5, 1.3), lifetime=3000.0, wind=9.0, tile=4200.0, base_spread=100.0, soft=90.0, amplitude=0.42,
+        height=(0.5, 1.3), lifetime=3000.0, wind=9.0, tile=4200.0, base_spread=100.0, soft=90.0,
+        amplitude=0.42,
     ),
     "cumulonimbus": Genus(
         base=900.0, thickness=9800.0, water=1.0, drop=12.0, cell=19e3, radius=(7000.0, 13e3),
-        height=(0.8, 1.12), lifetime=5400.0, wind=11.0, tile=11e3, base_spread=150.0, soft=150.0, clustering=0.7, amplitude=0.4,
+        height=(0.8, 1.12), lifetime=5400.0, wind=11.0, tile=11e3, base_spread=150.0, soft=150.0,
+        clustering=0.7, amplitude=0.4,
     ),
     "stratocumulus": Genus(
         base=1100.0, thickness=480.0, water=0.3, drop=9.0, cell=1300.0, radius=(620.0, 1050.0),
@@ -131,13 +135,14 @@ GENERA: dict[str, Genus] = {
     "altostratus": Genus(
         base=3500.0, thickness=1500.0, water=0.1, drop=10.0, cell=7000.0, radius=(4000.0, 6200.0),
         height=(0.8, 1.15), lifetime=0.0, wind=18.0, tile=14e3, base_spread=150.0, soft=350.0,
-        clustering=0.5, stretch=2.0, amplitude=1.2, edge=1.0, look=(0.0, 1.0, 0.0, 0.0), aligned=0.7, jitter=0.5,
+        clustering=0.5, stretch=2.0, amplitude=1.2, edge=1.0, look=(0.0, 1.0, 0.0, 0.0), aligned=0.7,
+        jitter=0.5,
     ),
     "cirrus": Genus(
         base=8500.0, thickness=1300.0, water=0.03, drop=28.0, cell=9200.0, radius=(5500.0, 10e3),
-        height=(0.7, 1.2), lifetime=7200.0, wind=32.0, tile=4200.0, ice=True, base_spread=500.0,
-        soft=500.0, clustering=0.6, stretch=7.0, shear=4.0, amplitude=0.75, edge=0.9,
-        look=(0.0, 0.4, 0.0, 0.6), aligned=0.93,
+        height=(0.7, 1.2), lifetime=7200.0, wind=32.0, tile=4200.0, ice=True, base_spread=500.0, soft=500.0,
+        clustering=0.6, stretch=7.0, shear=4.0, amplitude=0.75, edge=0.9, look=(0.0, 0.4, 0.0, 0.6),
+        aligned=0.93,
     ),
     "cirrocumulus": Genus(
         base=8000.0, thickness=280.0, water=0.04, drop=18.0, cell=2100.0, radius=(1400.0, 2400.0),

@@ -125,7 +125,7 @@ def calibrate(layer: Layer, side: int) -> Calibration:
         np.stack([np.interp(knots, grid, column) for column in np.transpose(rows)], 1)
         for rows in (profiles, filled)
     ]
-    return Calibration(knots, area, *tables, np.ones(BLOBS))
+    return Calibration(knots, area, tables[0], tables[1], np.ones(BLOBS))
 
 
 class _Patch:

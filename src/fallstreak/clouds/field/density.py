@@ -70,15 +70,25 @@ def _boxes(boxes: np.ndarray, places: np.ndarray, swell: np.ndarray) -> np.ndarr
     out = np.empty((len(places), len(boxes)))
     rows = max(_CHUNK // max(len(boxes), 1), 1)
     c, s = boxes["cosine"].astype(float), boxes["sine"].astype(float)
-    size = SWELL * boxes["half"].astype(float)
+    turn = np.stack([np.stack([c, s]), np.stack([-s, c])])
+    centre = boxes["centre"].astype(float)
+    middle = turn[:, 0] * centre[:, 0] + turn[:, 1] * centre[:, 1]
+    size = SWELL * boxes["half"].T.astype(float)
     for start in range(0, len(places), rows):
-        v = places[start : start + rows, None] - boxes["centre"]
+        part = places[start : start + rows]
         wider = SWELL * swell[start : start + rows, None]
-        x = (c * v[..., 0] + s * v[..., 1]) / (size[:, 0] + wider)
-        y = (c * v[..., 1] - s * v[..., 0]) / (size[:, 1] + wider)
-        z = v[..., 2] / size[:, 2]
-        k = np.maximum(1.0 - 0.5 * (x * x + y * y + z * z), 0.0)
-        out[start : start + rows] = k * k
+        x = (part[:, 2:] - centre[:, 2]) / size[2]
+        x *= x
+        for axis in (0, 1):
+            y = part[:, :2] @ turn[axis]
+            y -= middle[axis]
+            y /= size[axis] + wider
+            y *= y
+            x += y
+        x *= -0.5
+        x += 1.0
+        np.maximum(x, 0.0, out=x)
+        np.multiply(x, x, out=out[start : start + rows])
     return out
 
 
