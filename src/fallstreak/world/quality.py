@@ -32,7 +32,7 @@ class Quality:
     cloud_scale: int = 1  # pixels of the picture to one of the clouds, along a side
     cloud_cells: int = 128  # along a side of each layer's window: a cell may hold one cloud
     cloud_shadow: int = 192  # texels along a side of each map of the clouds' shadows
-    cloud_puffs: int = 16000  # in sight, about
+    cloud_puffs: int = 14000  # in sight, about
     cloud_atlas: int = 4096  # texels along a side of the atlas of sphere clouds
     # its sections, largest first: (texels along a side, how many)
     cloud_sections: tuple[tuple[int, int], ...] = ((256, 64), (128, 192), (64, 1024), (16, 4096))
@@ -95,7 +95,7 @@ QUALITY: dict[str, Quality] = {
         _HIGH,
         name="ultra",
         cloud_shadow=320,
-        cloud_puffs=24000,
+        cloud_puffs=18000,
         sky_view_size=(384, 216),
         sky_view_steps=40,
         aerial_size=(48, 48, 48),

@@ -149,7 +149,7 @@ def fineness_of(
         most = min(farthest, horizon)
         rows = np.maximum(np.round((slab.high - slab.low) / sizes), 1.0)
         # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
-        filled = (0.35 * slab.cover) ** (1.0 / (1.0 + (sizes / max(slab.body, 1.0)) ** 2))
+        filled = (0.3 * slab.cover) ** (1.0 / (1.0 + (0.5 * sizes / max(slab.body, 1.0)) ** 2))
         rows = np.minimum(rows, 8.0) * filled
         area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
         visible = sizes * slab.extinction > LEAST_DEPTH

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MOST_BLOCKS = 32768
 MOST_FOUND = 65536
 MOST_DRAWN = 30000
-MOST_WANTED = 24000  # the number in sight differs by a fifth
+MOST_WANTED = 18000  # where clouds are dense, more are in sight
 _VERTICES = 3  # of a puff: a triangle about its disc
 _MATTER = "package::clouds::puffs::matter"
 
@@ -234,8 +234,8 @@ class PuffPasses:
         Returns
         -------
         dict
-            ``buckets``: all of them; ``buckets_in_sight``; ``evaluated``: cells that were looked at; ``found``:
-            puffs of these; ``drawn``: those that others do not hide; and ``found`` by their size in metres.
+            ``buckets``: all of them; ``buckets_in_sight``; ``evaluated``: cells that were looked at;
+            ``found``: puffs in these; ``drawn``: those that others do not hide; ``found`` of each size.
         """
 
         def words(name: str) -> np.ndarray:
