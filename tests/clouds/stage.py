@@ -28,7 +28,8 @@ CLOUD = np.dtype(
         ("model", "<u4"),
         ("seed", "<u4"),
         ("swell", "<f4"),
-        ("spare", "<f4", 3),
+        ("spare", "<f4"),
+        ("turn", "<f4", 2),
     ]
 )
 

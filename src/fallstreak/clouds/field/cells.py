@@ -163,6 +163,7 @@ def clouds_of(layer: Layer, cells: np.ndarray, time: float, wanted: np.ndarray, 
     out["extinction"] = layer.extinction * (0.85 + 0.3 * number(seed, 8))
     out["swell"] = swell * bound[:, 0]
     out["radius"] = (bound[:, 2] + SWELL * np.sqrt(2.0) * out["swell"]) * out["scale"][:, 0]
+    out["radius"][formation <= 0.0] = 0.0
     out["top"] = out["base"] + bound[:, 3] * out["scale"][:, 1]
     out["model"] = first + which
     out["seed"] = _mixed(seed, 9)
