@@ -10,12 +10,12 @@ from .cover import Covers, Sites
 
 PALETTE = ("granite", "scree", "turf", "grass", "canopy", "gravel")
 
-GRANITE, LICHEN = np.array([0.208, 0.197, 0.184]), np.array([0.078, 0.075, 0.071])
-SCREE, GRAVEL = np.array([0.300, 0.290, 0.274]), np.array([0.240, 0.228, 0.205])
+GRANITE, LICHEN = np.array([0.168, 0.163, 0.156]), np.array([0.078, 0.075, 0.071])
+SCREE, GRAVEL = np.array([0.255, 0.247, 0.234]), np.array([0.240, 0.228, 0.205])
 TURF, HEATH = np.array([0.080, 0.092, 0.036]), np.array([0.078, 0.076, 0.037])
 MEADOW, WOODS = np.array([0.070, 0.094, 0.030]), np.array([0.026, 0.036, 0.017])
 BED, LAYER = 230.0, 47.0  # m, from one bed of rock to the next, and of thinner ones
-TREE_LINE, TURF_LINE = 2050.0, 2900.0
+TREE_LINE, TURF_LINE = 2200.0, 3000.0
 
 
 def cover(site: Sites) -> Covers:
@@ -51,14 +51,14 @@ def cover(site: Sites) -> Covers:
         + 0.2 * small
         + 0.3 * fine
         + 0.3 * grit
-        + 0.2 * np.maximum(high, 0.0)
-        - 0.4 * site.hollow
-        + 0.15 * beds
+        + 0.25 * high
+        - 0.6 * site.hollow
+        + 0.25 * beds
     )
-    rock = threshold(value, 0.92, 0.20, rough)
+    rock = threshold(value, 0.90, 0.16, rough)
     rough = uneven + 0.16 * (lost_middle + lost_small) + 0.09 * lost_fine
-    value = slope + 0.3 * high + 0.12 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
-    loose = threshold(value, 0.86, 0.15, rough) * smoothstep(0.15, 0.55, value - 0.3 * high)
+    value = slope + 0.3 * high + 0.35 * site.hollow + 0.4 * (middle + small) + 0.3 * fine
+    loose = threshold(value, 1.02, 0.15, rough) * smoothstep(0.25, 0.65, value - 0.3 * high)
     rough = 0.16 * (lost_broad + lost_wide + lost_middle + uneven) + 0.09 * lost_small
     value = high + 0.4 * (broad + wide + middle) + 0.3 * small + 0.4 * (slope - 0.4)
     barren = threshold(value, (TURF_LINE - TREE_LINE) / 1000.0, 0.22, rough)
@@ -90,7 +90,7 @@ def cover(site: Sites) -> Covers:
     shares = (rock, rubble, turf, meadow, trees, stones)
 
     tone = (1.0 + 0.3 * middle + 0.3 * small + 0.4 * fine + 0.4 * grit + 0.3 * crack)[..., None]
-    value = 0.5 * (wide + middle + small + fine) + 0.3 * beds + 0.3 * layers
+    value = 0.5 * (wide + middle + small + fine) + 0.3 * (beds + layers + site.hollow)
     rough = 0.25 * (lost_wide + lost_middle + lost_small + lost_fine)
     rough = rough + 0.045 * (1.0 - told * told) + 0.045 * (1.0 - seen * seen)
     stain = threshold(value, 0.0, 0.12, rough)

@@ -19,14 +19,16 @@ CREST = 0.26  # of a ridge's amplitude: how high it stands above the mean
 BEND, WIND = 0.6, 0.3  # how far larger forms push ridges aside
 FLOOR, SAG, SILL = 0.45, 0.5, 0.03  # of the relief: depth of valley floors, how far they follow, their edge
 COARSEST_COULOIR, FINEST_COULOIR = -2, 6  # the first counts from the large forms' power of two
-COULOIR, COULOIR_FINER, SOFT = 0.78, 1.06, 0.12
+COULOIR, COULOIR_FINER, SOFT = 0.84, 0.94, 0.12
 BED, BED_FINE = 150.0, 38.0  # m, from one cliff of a wall up to the next
 DIP = (2.0, 3.0)  # beds that they rise and fall by, along the large forms
 COARSEST_ROCK, FINEST_ROCK = 7, 1
 # of the relief above the base: from where on rock stands on gentle ground too, and all over
 CRAGS = (0.12, 0.5)
-SHARP, FINER = 0.8, 0.9  # how much of it is folded into crests; roughness of an octave over the last
-ROCK, TURF = 0.36, 0.02  # amplitude over wavelength of the noise, on steep ground and on flat
+SHARP, FINER = 0.8, 0.95  # how much of it is folded into crests; roughness of an octave over the last
+CLIFF = 0.5  # fourth power of the slope that is half rock
+VALLEY, COULOIR_DARK = 0.2, 0.5  # of the sky is hidden between ranges and in couloirs
+ROCK, TURF = 0.29, 0.02  # amplitude over wavelength of the noise, on steep ground and on flat
 
 
 class Alpine:
@@ -83,7 +85,7 @@ class Alpine:
         land, bare = fill(land, floor, SILL * self.relief)
         land, beach = wash(land, self.water_level - self.base, bare)
         slope2 = land.slope_east**2 + land.slope_north**2 + land.lost
-        steep = slope2 / (slope2 + 0.5)
+        steep = slope2**2 / (slope2**2 + CLIFF)
         hard = (1.0 - beach) * bare * steep * smoothstep(-0.3, 0.3, d[0] + 0.5 * c[0])
         land = ledges(land, BED, DIP[0] * b[0] + DIP[1] * c[0], 1.2 * hard, step)
         summits = smoothstep(CRAGS[0], CRAGS[1], land.height / self.relief)
@@ -92,7 +94,7 @@ class Alpine:
         land = crags(land, east, north, COARSEST_ROCK, FINEST_ROCK, step, self.seed, rough, SHARP, FINER)
         land = ledges(land, BED_FINE, 8.0 * d[0] + 5.0 * c[0], 0.6 * hard, step)
         zero = np.zeros(east.shape)
-        opened = 0.8 + 0.2 * np.clip(0.5 + 0.5 * land.crest, 0.0, 1.0)
+        opened = 1.0 - (VALLEY + COULOIR_DARK * bare * steep) * np.clip(0.5 - 0.5 * land.crest, 0.0, 1.0)
         return LandShape(
             self.base + land.height, zero + self.water_level, zero, zero, np.sqrt(land.lost), opened
         )

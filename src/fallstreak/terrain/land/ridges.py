@@ -20,6 +20,7 @@ ROUND = 0.06  # half the sine below which a rib between couloirs is rounded
 TOP = 0.0  # height of such a rib over the mean of the wave
 END = 0.1  # of their wavelength: couloirs end so far from a crest
 BOTTOM = 0.3  # how much finer couloirs leave the bottom of the larger ones alone
+GROOVE = 0.5  # how far an octave's couloirs decide what is crest
 GULLY_SLOPE = 0.6  # rms slope of an octave of couloirs, over its depth times the slope of the ground
 RIB, RIB_OVERTONE = 0.65, 0.25  # how steep cliffs are and how sharp their edges
 LEAN = 0.6  # of the octave before, by which crests of noise are pushed off the lattice
@@ -88,6 +89,7 @@ def couloirs(
         Rise over run of the ground where they are half as deep as in steep ground.
     """
     height, se, sn, lost = relief.height, relief.slope_east, relief.slope_north, relief.lost
+    crest = relief.crest
     for power in range(coarsest, finest - 1, -1):
         weight = octave_weight(power, step)
         square = se * se + sn * sn
@@ -103,6 +105,7 @@ def couloirs(
             half = np.sqrt(half2 + ROUND * ROUND)
             near = away / (END * 2.0**power)
             mask = weight * near * near / (1.0 + near * near)
+            crest = crest + GROOVE * mask * (cosine - crest)
             height = height + mask * slope * (2.0**power / (2.0 * np.pi * WAVES)) * (1.273 - 2.0 * half - TOP)
             rise = -0.5 * sine / half * mask * slope
             se, sn = se + rise * ae, sn + rise * an
@@ -112,7 +115,7 @@ def couloirs(
             bottom = half2 * half2
             away = away * (1.0 - BOTTOM * weight * bottom * bottom)
         depth = depth * gain
-    return Relief(height, se, sn, relief.crest, lost)
+    return Relief(height, se, sn, crest, lost)
 
 
 def ledges(relief: Relief, bed: float, shift, strength, step) -> Relief:

@@ -92,7 +92,7 @@ def ground_constants(palette: Sequence[str], bare_radius: float = 0.0) -> dict[s
     return {
         "SEEN": [(*m.albedo, 1.0 / m.tile) for m in chosen],
         "MADE": [
-            (m.steepest, float(m.layer), m.grows, _kind(name) + (0.5 if name in _ALIKE else 0.0))
+            (m.steepest, float(m.layer), m.grows, _kind(name) + _ALIKE.get(name, 0.0) / 8.0)
             for name, m in zip(palette, chosen, strict=True)
         ],
         "TURNS": [_BEDDED if name in ("sandstone", "limestone") else _TURNED for name in palette],
@@ -113,8 +113,9 @@ _TURNED, _BEDDED = (3.0, 4.0, 0.35, 0.35), (5.0, 0.0, 0.5, 0.08)
 _FLOORS = ("forest_floor", "soil", "turf", "grass")
 """What may lie under trees: the first that a palette has."""
 
-_ALIKE = ("sandstone", "limestone", "granite", "basalt")
-"""Rock that looks the same five times larger: its cliffs have beds and joints as its blocks do."""
+_ALIKE = {"sandstone": 1.0, "limestone": 1.0, "granite": 3.0, "basalt": 1.0}
+"""Rock that looks the same many times larger, because cliffs have beds and joints as blocks do, and how much
+bolder its slopes are then (below 8): granite's blocks are smooth, its faces are not."""
 
 
 def _slots(constant: str, name: str, palette: Sequence[str]) -> dict[str, Any]:
