@@ -156,7 +156,7 @@ def test_light_under_an_overcast_sky_is_what_passes_it(device):
     all_light = light.layer_passes(depth, sine).mean()
     middle = overhead[8:24, 8:24].mean((0, 1))
     assert middle[2] == pytest.approx(all_light, rel=0.25)
-    assert middle[0] == pytest.approx(middle[2], rel=0.06)  # nothing comes straight
+    assert middle[0] == pytest.approx(middle[2], abs=0.1)  # nothing comes straight
     assert middle[1] == pytest.approx(light.layer_passes_sky(depth).mean(), rel=0.25)
     low, high = stage.field.layers[0].bounds
     assert 0.2 < middle[3] < 0.8 and high > low

@@ -1,0 +1,58 @@
+"""Land under clouds: an overcast sky's white light and no shadows, broken clouds' shadows, air that dims."""
+
+import numpy as np
+import pytest
+
+import fallstreak as fs
+from fallstreak.clouds import light
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+NOON = "2025-06-21T12:30:00-04:00"
+SINE = 0.94  # of the sun's elevation then and there
+
+
+def ground(layers, pitch=-60.0, **clouds):
+    """Luminance of land below the camera, (36, 64, 3)."""
+    world = fs.load("jacksboro").updated(
+        {
+            "time": NOON,
+            "camera": {
+                "east": 0.0,
+                "north": 0.0,
+                "height": 400.0,
+                "above": "ground",
+                "heading": 20.0,
+                "pitch": pitch,
+                "fov": 70.0,
+            },
+            "clouds": {"technique": "puffs", "layers": layers, **clouds},
+        }
+    )
+    return fs.render(world, (64, 36), "low").hdr.astype(float)
+
+
+@pytest.fixture(scope="module")
+def clear():
+    return ground([])
+
+
+def test_an_overcast_sky_passes_what_its_clouds_do(clear):
+    depth = 30.0
+    layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0, "extinction": 0.16}
+    under = ground([layer])
+    part = (under @ LUMINANCE).mean() / (clear @ LUMINANCE).mean()
+    # noise leaves the layer thinner here and thicker there
+    assert light.layer_passes(4 * depth, SINE) < part < light.layer_passes(depth / 4, SINE)
+
+
+def test_thick_clouds_throw_dark_shadows_and_leave_the_rest(clear):
+    layer = {"genus": "cumulus_mediocris", "coverage": 0.5, "base": 2500.0, "lifetime": 0.0}
+    part = (ground([layer], pitch=-20.0) @ LUMINANCE) / (ground([], pitch=-20.0) @ LUMINANCE)
+    below = part[20:]
+    assert below.min() < 0.45  # in a shadow the sky is left, and what clouds scatter
+    assert below.max() < 1.35 and np.percentile(below, 95) > 0.75
+
+
+def test_clouds_without_shadows_leave_the_land_as_it_was(clear):
+    layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0}
+    assert ground([layer], shadows=False) == pytest.approx(clear, rel=5e-3)
