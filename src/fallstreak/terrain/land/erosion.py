@@ -28,7 +28,6 @@ LEVEL = 1.273  # with which sharp crests and round troughs have mean 0
 WAVE_SEED, ROUGH_SEED = 30, 60
 GULLY_SLOPE = 0.95  # rms slope of an octave of gullies, over that of its sides in the open
 DAMPING = 0.4  # of noise by the square of the slope that it lies on
-FOLD, FOLD_LEVEL = 0.002, 0.21  # roundness of folded noise, square; its mean
 ROUGH_PEAK = 0.77  # of an octave of noise, over its amplitude
 ROUGH_SLOPE = 1.02  # rms slope of an octave of noise, over its amplitude in wavelengths
 
@@ -167,27 +166,21 @@ def carve(
     return Relief(height, se, sn, crest, lost)
 
 
-def roughen(
-    relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough, sharp=0.0, gain=1.0
-) -> Relief:
+def roughen(relief: Relief, east, north, coarsest: int, finest: int, step, seed: int, rough) -> Relief:
     """Add noise that no water has shaped.
 
     An octave's height is `rough` (number or array) times its wavelength, the less the steeper the ground it
-    comes to lie on (`DAMPING`), so that cliffs do not become needles. `sharp` (0..1) folds the noise into
-    crests; each octave is `gain` times as rough as the last.
+    comes to lie on (`DAMPING`), so that cliffs do not become needles.
     """
     height, se, sn, lost = relief.height, relief.slope_east, relief.slope_north, relief.lost
     for power in range(coarsest, finest - 1, -1):
         weight = octave_weight(power, step)
-        part = rough * gain ** (coarsest - power) / (1.0 + DAMPING * (se * se + sn * sn))
+        part = rough / (1.0 + DAMPING * (se * se + sn * sn))
         lost = lost + (1.0 - carried(power, step)) * ROUGH_SLOPE**2 * part * part
         if np.any(weight > 0.0):
             value, de, dn = octave(east, north, power, seed + ROUGH_SEED)
-            folded = np.sqrt(value * value + FOLD)
-            bent = 1.0 - sharp - 1.6 * sharp * value / folded
-            value = value + sharp * (1.6 * (FOLD_LEVEL - folded) - value)
             scale = weight * part * 2.0**power
-            height, se, sn = height + scale * value, se + scale * bent * de, sn + scale * bent * dn
+            height, se, sn = height + scale * value, se + scale * de, sn + scale * dn
     return Relief(height, se, sn, relief.crest, lost)
 
 

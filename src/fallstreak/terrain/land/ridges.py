@@ -17,7 +17,6 @@ CALM = 0.12  # strength of the blended waves where they are half gone: couloirs 
 BLUNT = 0.0015  # width of an arête, over the wavelength of its noise
 BLUNT_STEPS = 0.2  # the same in steps of a mesh, so that no crest is a row of teeth
 ROUND = 0.06  # half the sine below which a rib between couloirs is rounded
-TOP = 0.0  # height of such a rib over the mean of the wave
 END = 0.1  # of their wavelength: couloirs end so far from a crest
 BOTTOM = 0.3  # how much finer couloirs leave the bottom of the larger ones alone
 GROOVE = 0.5  # how far an octave's couloirs decide what is crest
@@ -106,7 +105,7 @@ def couloirs(
             near = away / (END * 2.0**power)
             mask = weight * near * near / (1.0 + near * near)
             crest = crest + GROOVE * mask * (cosine - crest)
-            height = height + mask * slope * (2.0**power / (2.0 * np.pi * WAVES)) * (1.273 - 2.0 * half - TOP)
+            height = height + mask * slope * (2.0**power / (2.0 * np.pi * WAVES)) * (1.273 - 2.0 * half)
             rise = -0.5 * sine / half * mask * slope
             se, sn = se + rise * ae, sn + rise * an
             # the rib between two couloirs is a crest too
