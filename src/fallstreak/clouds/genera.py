@@ -108,7 +108,7 @@ GENERA: dict[str, Genus] = {
         amplitude=0.42,
     ),
     "cumulonimbus": Genus(
-        base=900.0, thickness=9800.0, water=1.0, drop=12.0, cell=19e3, radius=(7000.0, 13e3),
+        base=900.0, thickness=9800.0, water=1.0, drop=12.0, cell=19e3, radius=(9000.0, 15e3),
         height=(0.8, 1.12), lifetime=5400.0, wind=11.0, tile=11e3, base_spread=150.0, soft=150.0,
         clustering=0.7, amplitude=0.4,
     ),
