@@ -8,10 +8,10 @@ import numpy as np
 
 from ...gpu import VIEW, FrameGraph
 from ...world.state import FrameState
-from ..field.uniform import LAYERS
 from ..frame import CLOUD_FRAME
 from ..order import add_order
 from ..shadow import CLOUD_SHADOW
+from .grain import grain
 from .stock import stock
 from .textures import sheet
 
@@ -40,6 +40,8 @@ class Sprites:
         graph.buffer_data("clouds.sprites.stock", made)
         graph.buffer_data("clouds.sprites.first", first)
         graph.texture_data("clouds.sprites.sheet", sheet(), "rgba8unorm", dimension="2d-array", mips=True)
+        looks = [layer.genus.look for layer in clouds.field.field.layers]
+        graph.texture_data("clouds.sprites.grain", grain(looks), "rgba8unorm", dimension="3d")
         corners = _CORNERS * np.arange(MOST, dtype=np.uint32)[:, None] + np.ravel(_TRIANGLES).astype(
             np.uint32
         )
@@ -59,7 +61,7 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
     graph.buffer(f"{name}.draw", 32, usage=("indirect",))
     graph.buffer(f"{name}.wanted", 4 * BINS)
     graph.buffer(f"{name}.chosen", 4 * cells)
-    graph.buffer(f"{name}.sprites", 144 * MOST)
+    graph.buffer(f"{name}.sprites", 208 * MOST)
     graph.buffer(f"{name}.keys", 8 * MOST)
     own = {word: f"{name}.{word}" for word in ("work", "draw", "wanted", "chosen", "sprites", "keys")}
     common = {
@@ -72,6 +74,7 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
         "shadow": "clouds.shadow_frame",
         "shadow_map": "clouds.shadow",
         "scene": "gbuffer.depth",
+        "grain": "clouds.sprites.grain",
         **field.bind,
         **own,
     }
@@ -83,6 +86,7 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
             "DENSITY": float(clouds.world.clouds.sprites.density),
             "PIXELS": clouds.picture[1] / clouds.size[1],
             "LAYER_SIZE": clouds.size,
+            "GRAINS": float(len(field.field.layers)),
             **field.constants,
         },
     }

@@ -27,9 +27,9 @@ STOCK = np.dtype(
         ("share", "<f4"),
     ]
 )
-"""64 bytes, in the model's space, m. `half`: half axes of the ellipsoid; they grow by `widening` for each metre
-that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture, chance << 8, shading group << 16;
-`middle`: of the shading group; `share`: of the fine sprites of a model, those drawn at this density and more."""
+"""64 bytes, in the model's space, m. `half`: half axes of the ellipsoid; they grow by `widening` for each
+metre that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture, chance << 8, shading group <<
+16; `middle`: of the shading group; `share`: the least density of sprites at which this one is drawn."""
 
 
 def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
