@@ -81,6 +81,18 @@ _later(
     -o tile.png --period 8 --octaves 5   (copies fit together)
     -o far.png --at 1e7,0,0.5   (ten million cells from the origin)""",
 )
+clouds = App(name="clouds", help="Bake the textures of cloud sprites, look at cloud models.")
+clouds.command(
+    "fallstreak.commands.clouds:bake",
+    name="bake",
+    help="Bake the sprites' textures from noise, or look at cloud models of your own.",
+    help_epilogue="""Examples:
+    fallstreak clouds bake
+    fallstreak clouds bake my-cloud.toml -o my-cloud.png
+    fallstreak clouds bake cumulus_congestus_a cumulonimbus -o towers.png
+""",
+)
+app.command(clouds)
 _later("doctor", "List graphics adapters, and say which one is used and why.", "")
 
 

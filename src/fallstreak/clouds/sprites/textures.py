@@ -1,32 +1,44 @@
-"""Textures of the sprites (provisional)."""
+"""The sixteen textures of the sprites: one sheet, baked from noise by ``fallstreak clouds bake``."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
+
 import numpy as np
 
+SIDE = 128
+"""Texels along a side of a texture."""
+COUNT = 16
+ROW = 4
+"""Textures beside each other on the sheet."""
+SHEET = Path(__file__).parent / "data" / "textures.png"
 
+
+@lru_cache(maxsize=1)
 def sheet() -> np.ndarray:
-    """16 textures, (16, 128, 128, 4) uint8: slope right, slope up, thickness, opacity."""
-    n = 128
-    out = np.zeros((16, n, n, 4), np.uint8)
-    y, x = np.mgrid[0:n, 0:n] / n
-    for i in range(16):
-        rng = np.random.default_rng(i)
-        h = np.zeros((n, n))
-        for octave, count in enumerate((5, 14, 40, 120)):
-            points = rng.random((count, 2))
-            d = np.full((n, n), 9.0)
-            for px, py in points:
-                dx = np.abs(x - px)
-                dy = np.abs(y - py)
-                d = np.minimum(d, np.hypot(np.minimum(dx, 1 - dx), np.minimum(dy, 1 - dy)))
-            scale = 0.8 / np.sqrt(count)
-            h += (1.0 - np.minimum(d / scale, 1.0) ** 2) * 0.5**octave
-        h = (h - h.min()) / (h.max() - h.min())
-        h = np.clip(0.5 + (h - np.median(h)) * 1.0, 0, 1)
-        gy, gx = np.gradient(h)
-        out[i, ..., 0] = np.clip(127.5 - gx * n * 12, 0, 255)
-        out[i, ..., 1] = np.clip(127.5 + gy * n * 12, 0, 255)
-        out[i, ..., 2] = 255 * h
-        out[i, ..., 3] = 255
-    return out
+    """The textures, (16, SIDE, SIDE, 4) uint8, top row first.
+
+    Red and green: how far the surface leans to the right and up: (code − 127.5) / 127.5 times `bake.STEEPEST`
+    is minus the rise of thickness per width. Blue: thickness, mean 1/2. Alpha: opacity of the texture as a
+    sprite of its own, 0 at its rim.
+    """
+    from PIL import Image
+
+    with Image.open(SHEET) as picture:
+        texels = np.asarray(picture.convert("RGBA"))
+    return apart(texels)
+
+
+def apart(picture: np.ndarray) -> np.ndarray:
+    """The sheet's picture, (ROW · SIDE, ROW · SIDE, 4), as textures."""
+    return np.ascontiguousarray(
+        picture.reshape(ROW, SIDE, ROW, SIDE, 4).swapaxes(1, 2).reshape(COUNT, SIDE, SIDE, 4)
+    )
+
+
+def together(textures: np.ndarray) -> np.ndarray:
+    """Textures as the picture of a sheet; the inverse of `apart`."""
+    return np.ascontiguousarray(
+        textures.reshape(ROW, ROW, SIDE, SIDE, 4).swapaxes(1, 2).reshape(ROW * SIDE, ROW * SIDE, 4)
+    )
