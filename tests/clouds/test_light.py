@@ -94,6 +94,9 @@ def test_ambient_light_crosses_over():
     assert light.ambient_share(0.0, 80.0) > 0.93
     assert light.ambient_share(80.0, 0.0) < 0.07
     assert light.ambient_share(3.0, 7.0) + light.ambient_share(7.0, 3.0) == pytest.approx(1.0)
+    far = light.ambient_share_of_three(3.0, 7.0, 1e9)
+    assert far == pytest.approx(light.ambient_share(3.0, 7.0))
+    assert light.ambient_share_of_three(200.0, 100.0, 0.0) == pytest.approx(0.5, abs=0.02)  # a flank
 
 
 def model_density(model, points, edge, soft):
@@ -173,7 +176,7 @@ def test_shader_agrees_with_the_twin(device, probe):
     assert got[:, 0] == pytest.approx(light.key_light(ahead, behind, facing, cosine), rel=1e-4, abs=2e-6)
     assert got[:, 1] == pytest.approx(light.ambient_share(ahead, behind), rel=1e-5)
     assert got[:, 2] == pytest.approx(light.layer_passes(ahead, facing), rel=1e-4)
-    assert got[:, 3] == pytest.approx(light.layer_passes_sky(ahead), rel=1e-5)
+    assert got[:, 3] == pytest.approx(light.ambient_share_of_three(ahead, behind, 9 * facing), rel=1e-5)
 
     points = np.column_stack([rng.uniform(-600, 600, (400, 2)), rng.uniform(0, 600, 400), np.full(400, 0.01)])
     direction = np.array([0.5, -0.6, 0.62])

@@ -76,7 +76,8 @@ def mean_density(field: Field, layer: int, lumps: np.ndarray) -> float:
     table = lumps.reshape(-1, 2, 4)[clouds["model"]].astype(float)
     formed = (2.0 - clouds["formation"] ** -0.5) ** 1.5
     scale = clouds["scale"].astype(float)
-    volumes = 4.0 / 3.0 * np.pi * table[:, 0, 3] * table[:, 1, 0] ** 2 * table[:, 1, 1]
+    wide = table[:, 1, 0] + REACH * clouds["swell"]
+    volumes = 4.0 / 3.0 * np.pi * table[:, 0, 3] * wide**2 * table[:, 1, 1]
     ellipsoids = float((formed * volumes * scale[:, 0] ** 2 * scale[:, 1]).sum()) / len(cells) / mine.cell**2
     filled = float(np.interp(mine.coverage, KNOTS, field.calibrations[layer].filled[:, -1]))
     # there is less water near the base: .6 + .4 of the height in the cloud
