@@ -61,7 +61,7 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
     graph.buffer(f"{name}.draw", 32, usage=("indirect",))
     graph.buffer(f"{name}.wanted", 4 * BINS)
     graph.buffer(f"{name}.chosen", 4 * cells)
-    graph.buffer(f"{name}.sprites", 208 * MOST)
+    graph.buffer(f"{name}.sprites", 224 * MOST)
     graph.buffer(f"{name}.keys", 8 * MOST)
     own = {word: f"{name}.{word}" for word in ("work", "draw", "wanted", "chosen", "sprites", "keys")}
     common = {

@@ -14,6 +14,8 @@ from ..shapes.pack import Packed
 WHOLE, BOX, FINE = 0, 1, 2
 """Levels of detail."""
 
+NO_BOX = 255
+
 STOCK = np.dtype(
     [
         ("centre", "<f4", 3),
@@ -29,7 +31,7 @@ STOCK = np.dtype(
 )
 """64 bytes, in the model's space, m. `half`: half axes of the ellipsoid; they grow by `widening` for each
 metre that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture, chance << 8, shading group <<
-16; `middle`: of the shading group; `share`: the least density of sprites at which this one is drawn."""
+16, box of the model << 24; `middle`: of the shading group; `share`: the least density of sprites at which this one is drawn."""
 
 
 def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
@@ -69,7 +71,7 @@ def _of_model(boxes: np.ndarray, sprites: np.ndarray, first_box: int) -> np.ndar
     rest["widening"] = SWELL * sprites["size"]
     rest["turn"] = np.stack([box["cosine"], box["sine"]], -1)
     word = sprites["word"]
-    rest["look"] = word[:, 1] | word[:, 2] << 8 | word[:, 3] << 16
+    rest["look"] = word[:, 1] | word[:, 2] << 8 | word[:, 3] << 16 | (word[:, 0] - first_box) << 24
     rest["level"] = np.where(_is_first(word[:, 0]), BOX, FINE)
     rest["share"] = (word[:, 2] + 0.5) / 256.0
     groups = word[:, 3]
@@ -101,5 +103,5 @@ def _whole(boxes: np.ndarray) -> np.void:
     row["centre"], row["middle"] = centre, centre
     row["half"] = SWELL * np.sqrt(5.0 * spread)
     row["widening"], row["turn"], row["density"] = SWELL, (1.0, 0.0), weight @ boxes["density"]
-    row["level"], row["share"] = WHOLE, 0.0
+    row["level"], row["share"], row["look"] = WHOLE, 0.0, NO_BOX << 24
     return row[()]
