@@ -26,7 +26,7 @@ SHIPPED = ("jacksboro",)
 LANDS = {"canyons": "Canyons", "alpine": "Alpine", "plains": "Plains", "dunes": "Dunes"}
 """Kinds of land made from noise at every sample: module and class in ``land/``."""
 
-FINER = {"canyons": (1.8, 3.0), "alpine": (1.6, 1.6)}
+FINER = {"canyons": (1.8, 3.0), "alpine": (1.9, 1.9)}
 """Land so rugged that its mesh has to be so much finer for the same error on the screen: samples closer than
 `COARSE`, and the others. Walls of canyons are smooth up to the size of their layers."""
 COARSE = 8.0  # m
