@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...gpu import VIEW, FrameGraph
-from ...world.state import FrameState
+from ...world.state import FrameState, local_axes, map_coordinates
 from ..frame import CLOUD_FRAME
 from ..order import add_order
 from ..shadow import CLOUD_SHADOW
+from .artist import paint
 from .grain import grain
 from .stock import stock
 from .textures import sheet
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 MOST = 32768
 """Sprites that are drawn at most."""
 BINS = 128
-_CORNERS = 6
-_TRIANGLES = ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
+_CORNERS = 4
+_TRIANGLES = ((0, 1, 2), (0, 2, 3))
 
 
 class Sprites:
@@ -46,10 +47,24 @@ class Sprites:
             np.uint32
         )
         graph.buffer_data("clouds.sprites.corners", corners, usage=("index",))
+        self._graph = graph
+        self._models = [model for layer in clouds.field.field.layers for model in layer.models]
+        self._artist = clouds.world.clouds.colours == "artist"
+        if self._artist:
+            graph.texture("clouds.colour", "rgba16float", clouds.size)
+            graph.buffer_data("clouds.sprites.paint", paint(self._models, 1.0, 0.0))
         add_sprites(graph, clouds, "clouds.sprites")
 
     def update(self, state: FrameState) -> None:
-        """Nothing changes but what all clouds are told."""
+        """Tell the artists' colours the hour; all else is what all clouds are told."""
+        if self._artist:
+            centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
+            axes = local_axes(
+                *map_coordinates(state.camera.position, state.planet_radius), state.planet_radius
+            )
+            sun = self._graph.uniforms["sky.light"].record["sun_direction"].astype(np.float64)
+            height = float(sun @ centre / np.linalg.norm(centre))
+            self._graph.upload("clouds.sprites.paint", paint(self._models, height, float(sun @ axes[:, 0])))
 
 
 def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
@@ -57,11 +72,11 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
     field = clouds.field
     cells = len(field.field.layers) * field.window**2
     shadow = clouds.shadow is not None
-    graph.buffer(f"{name}.work", 32, usage=("indirect",))
-    graph.buffer(f"{name}.draw", 32, usage=("indirect",))
+    graph.buffer(f"{name}.work", 32, usage=("indirect",), persistent=True)
+    graph.buffer(f"{name}.draw", 32, usage=("indirect",), persistent=True)
     graph.buffer(f"{name}.wanted", 4 * BINS)
     graph.buffer(f"{name}.chosen", 4 * cells)
-    graph.buffer(f"{name}.sprites", 224 * MOST)
+    graph.buffer(f"{name}.sprites", 224 * MOST, persistent=True)
     graph.buffer(f"{name}.keys", 8 * MOST)
     own = {word: f"{name}.{word}" for word in ("work", "draw", "wanted", "chosen", "sprites", "keys")}
     common = {
@@ -85,7 +100,7 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
             "MOST": MOST,
             "DENSITY": float(clouds.world.clouds.sprites.density),
             "PIXELS": clouds.picture[1] / clouds.size[1],
-            "LAYER_SIZE": clouds.size,
+            "DEPTH_TEXELS": tuple(p / s for p, s in zip(clouds.picture, clouds.size, strict=True)),
             "GRAINS": float(len(field.field.layers)),
             **field.constants,
         },
@@ -104,15 +119,21 @@ def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
     add("begin", (1, 1, 1), order=-1.0)
     add("select", (-(-cells // 64), 1, 1))
     add("budget", (1, 1, 1))
-    add("expand", own["work"], flags={"SHADOW": shadow})
+    artist = clouds.world.clouds.colours == "artist"
+    if artist:
+        graph.buffer(f"{name}.marks", 48 * MOST)
+        common |= {"marks": f"{name}.marks", "paint": "clouds.sprites.paint"}
+    add("expand", own["work"], flags={"SHADOW": shadow, "ARTIST": artist})
     order = add_order(graph, name, keys=own["keys"], count=own["draw"], word=5, capacity=MOST)
-    graph.render(
-        f"{name}.draw",
-        "package::clouds::sprites::draw",
-        color=["clouds.layer"],
-        blend="over",
-        bind={**common, "order": order},
-        indirect=own["draw"],
-        index="clouds.sprites.corners",
-        **options,
-    )
+    for painted in (False, True)[: 1 + artist]:
+        graph.render(
+            f"{name}.paint" if painted else f"{name}.draw",
+            "package::clouds::sprites::draw",
+            color=["clouds.colour" if painted else "clouds.layer"],
+            blend="over",
+            bind={**common, "order": order},
+            indirect=own["draw"],
+            index="clouds.sprites.corners",
+            flags={"ARTIST": painted},
+            **options,
+        )
