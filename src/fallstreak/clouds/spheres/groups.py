@@ -11,7 +11,7 @@ import numpy as np
 
 from ..shapes import SWELL, CloudModel
 
-MOST = 40
+MOST = 48
 """Spheres of a model, but for models that have more boxes."""
 SUNK = 0.3
 """Depth of a bump's middle below the surface it sits on, over its radius."""
@@ -59,7 +59,7 @@ def _candidates(boxes: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray
     turn = step * np.pi * (3.0 - 5.0**0.5) + 6.2832 * rng.random(len(boxes))[each]
     flat = np.sqrt(np.maximum(1.0 - z * z, 0.0))
     way = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
-    size = np.cbrt(half.prod(1))[each] * (0.26 + 0.26 * rng.random(len(each)))
+    size = np.cbrt(half.prod(1))[each] * (0.22 + 0.28 * rng.random(len(each)))
     size = np.minimum(size, 0.8 * half[each].min(1))
 
     c, s = boxes["cosine"][each].astype(float), boxes["sine"][each].astype(float)
@@ -102,7 +102,7 @@ def _spread(places: np.ndarray, sizes: np.ndarray, count: int) -> np.ndarray:
         nearest = np.minimum(nearest, apart)
         # size counts too: many small ones would crowd where they fit
         best = int(np.argmax(nearest * np.sqrt(sizes)))
-        if nearest[best] < 0.4:
+        if nearest[best] < 0.35:
             break
         chosen.append(best)
     return np.array(chosen)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..passes import Clouds
 
 MOST_SEEN = 4096
-MOST_NEAR = 8
+MOST_NEAR = 12
 _DRAW = 16  # bytes before the draw's arguments in section.wesl's Tiles
 
 SPHERES_FRAME = Struct(
@@ -46,7 +46,7 @@ class Spheres:
     """
 
     def __init__(self, graph: FrameGraph, clouds: Clouds):
-        self._clouds, self._last = clouds, -2
+        self._graph, self._clouds, self._last = graph, clouds, -2
         self._settings = clouds.world.clouds.spheres
         quality = clouds.quality
         width = quality.cloud_atlas
@@ -77,13 +77,13 @@ class Spheres:
         items = MOST_NEAR + len(table)
         tiles = int(((table[:, 2] // TILE).astype(np.int64) ** 2).sum())
         homes = layers * clouds.field.window**2
-        graph.buffer(name + "counts", 16)
+        graph.buffer(name + "counts", 16, persistent=True)
         graph.buffer(name + "seen", 64 * MOST_SEEN)
         graph.buffer(name + "keys", 8 * MOST_SEEN)
         graph.buffer(name + "order", 4 * MOST_SEEN)
         graph.buffer(name + "wishes", 8 * MOST_SEEN)
-        graph.buffer(name + "items", 16 + 48 * items, usage=("indirect",))
-        graph.buffer(name + "tiles", 32 + 4 * tiles, usage=("indirect",))
+        graph.buffer(name + "items", 16 + 48 * items, usage=("indirect",), persistent=True)
+        graph.buffer(name + "tiles", 32 + 4 * tiles, usage=("indirect",), persistent=True)
         graph.buffer(name + "posed", 48 * most * items)
         graph.buffer(name + "sections", 64 * len(table), persistent=True)
         graph.buffer(name + "homes", 4 * homes, persistent=True)
@@ -164,3 +164,16 @@ class Spheres:
             budget=1e9 if exact else self._budget,
             patience=1e-4 if exact else 1.0,
         )
+
+    def counts(self) -> dict[str, int]:
+        """What the last frame did: clouds near and in sight, sections and tiles drawn anew; waits for the GPU."""
+        near, seen, *_ = self._read("counts")
+        return {
+            "near": min(near, MOST_NEAR),
+            "clouds": min(seen, MOST_SEEN),
+            "sections_drawn": self._read("items")[0] - MOST_NEAR,
+            "tiles_drawn": self._read("tiles")[0],
+        }
+
+    def _read(self, what: str) -> list[int]:
+        return np.array(self._graph.read(f"clouds.spheres.{what}")).view(np.uint32)[:4].tolist()
