@@ -27,8 +27,8 @@ FLAT_ROWS = 2
 """Of up to so many rows of cells one above the other, blocks are 8 × 8 × 1 cells, else 4 × 4 × 4."""
 
 
-FBM = 1
-"""Channel of the noise, see `field.volume`."""
+BILLOWS, FBM = 0, 1
+"""Channels of the noise, see `field.volume`."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,10 @@ class Slab:
     ----------
     low, high : float
         m above the sea.
+    core : (float, float)
+        m above the sea, between which nearly all of it is: where puffs lie that are as large as clouds.
+    soft : float
+        m, over which the bases set in.
     extinction : float
         1/m, of dense clouds.
     wind : (float, float)
@@ -49,7 +53,7 @@ class Slab:
     channel : int
         Of the noise that frays its small puffs.
     body : float
-        m, half the size of its clouds' parts; larger puffs hold several, and are frayed by fBm.
+        m, half the size of its clouds' parts; puffs that hold several have fBm for billows.
     along : (float, float)
         Along its clouds' fibres; the shorter, the longer these are.
     """
@@ -59,6 +63,8 @@ class Slab:
     extinction: float
     wind: tuple[float, float]
     seed: int
+    core: tuple[float, float] | None = None
+    soft: float = 50.0
     cover: float = 1.0
     channel: int = FBM
     body: float = 0.0
@@ -74,8 +80,10 @@ class Grid:
     layer, level : int
     cell : float
         m.
+    low, high : float
+        m above the sea.
     rows : int
-        Cells one above the other, from `Slab.low` to `Slab.high`.
+        Cells one above the other from low to high.
     blocks : int
         Along a side of a bucket.
     reach : (float, float, float, float)
@@ -85,6 +93,8 @@ class Grid:
     layer: int
     level: int
     cell: float
+    low: float
+    high: float
     rows: int
     blocks: int
     reach: tuple[float, float, float, float]
@@ -127,7 +137,7 @@ def fineness_of(
 
     Of a sphere of radius R, seen from R + h, the part between distances a and b has an area of
     ``pi R (b² - a²) / (R + h)``: so many columns of cells there are of each size. A picture shows about a
-    fifth of what is around, from space two fifths.
+    fifth of what is around, from space more.
 
     Parameters
     ----------
@@ -145,18 +155,24 @@ def fineness_of(
     total = np.zeros(len(ends))
     for slab in slabs:
         away = max(slab.low - height, height - slab.high, 0.0)
-        horizon = sqrt(2.0 * radius * max(height, 0.0)) + sqrt(2.0 * radius * slab.high)
+        horizon = _horizon(height, radius) + _horizon(slab.high, radius)
         most = min(farthest, horizon)
-        rows = np.maximum(np.round((slab.high - slab.low) / sizes), 1.0)
+        low, high = slab.core or (slab.low, slab.high)
+        rows = np.maximum(np.round((high - low) / sizes), 1.0)
         # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
         filled = (0.3 * slab.cover) ** (1.0 / (1.0 + (0.5 * sizes / max(slab.body, 1.0)) ** 2))
         rows = np.minimum(rows, 8.0) * filled
         area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
         visible = sizes * slab.extinction > LEAST_DEPTH
         total += (area * (rows * visible / sizes**2)).sum(1) * np.pi * radius / (radius + max(height, 0.0))
-    t = np.clip((np.log10(max(height, 1.0)) - 4.5) / 1.2, 0.0, 1.0)
-    shown = 0.2 + 0.2 * t * t * (3.0 - 2.0 * t)
+    # from low down, from orbit, from where the whole planet is in the picture
+    shown = np.interp(np.log10(max(height, 1.0)), [4.6, 5.6, 7.0], [0.2, 0.4, 1.0])
     return float(np.interp(np.log(number / shown), np.log(total + 1.0), _FINENESS))
+
+
+def _horizon(height: float, radius: float) -> float:
+    """Distance of the horizon from a height, m."""
+    return sqrt(max(height, 0.0) * (2.0 * radius + max(height, 0.0)))
 
 
 _FINENESS = np.geomspace(12.0, 250.0, 32)
@@ -187,10 +203,13 @@ def grids(slabs: tuple[Slab, ...], ends: np.ndarray, height: float, farthest: fl
                 appears = begins * (1.0 - FADE) if begins else 0.5 * size
                 there = begins or 1.5 * size
                 fades = end * (1.0 - (0.15 if last else FADE))
-                rows = max(1, round((slab.high - slab.low) / size))
+                low, high = slab.core or (slab.low, slab.high)
+                if size < 0.67 * (high - low):
+                    low, high = slab.low, slab.high
+                rows = max(1, round((high - low) / size))
                 block = 8 if rows <= FLAT_ROWS else 4
                 blocks = ceil(end / (block * size))
-                found.append(Grid(layer, level, size, rows, blocks, (appears, there, fades, end)))
+                found.append(Grid(layer, level, size, low, high, rows, blocks, (appears, there, fades, end)))
             begins = end
             if last:
                 break
@@ -208,11 +227,18 @@ def grid_struct(count: int) -> Struct:
             ("slab", f"array<vec4f, {count}>", "m: lowest, highest matter; lowest bucket's floor; bucket"),
             ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
             ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; the noise's channel; its long axis"),
+            ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height over width; how far rows vary"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
+            ("oblique", "mat3x3f", "axes of the noise"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
         ],
     )  # fmt: skip
 
+
+OBLIQUE = np.array(
+    [[0.589788, 0.462624, 0.661913], [0.0, 0.819648, -0.572867], [-0.807558, 0.33787, 0.483419]]
+)
+"""Axes of the noise: level layers cut it at an angle, so that what they show of it does not repeat."""
 
 NOISE_TILE = 7.0
 """Cells, after which the noise that frays puffs of a size repeats."""
@@ -246,6 +272,7 @@ def grid_values(
         "slab": np.zeros((count, 4)),
         "noise": np.zeros((count, 4)),
         "look": np.zeros((count, 4)),
+        "clip": np.zeros((count, 4)),
         "info": np.zeros((count, 4), np.uint32),
     }
     for i, grid in enumerate(found):
@@ -257,19 +284,24 @@ def grid_values(
         side = grid.blocks * grid.block
         corner = np.floor(cell / side) * side - cell
         out["corner"][i] = (*(int(c) for c in cell), *(int(c) for c in corner))
-        out["place"][i] = (*(place - cell * grid.cell), grid.cell, (slab.high - slab.low) / grid.rows)
+        out["place"][i] = (*(place - cell * grid.cell), grid.cell, (grid.high - grid.low) / grid.rows)
         out["reach"][i] = grid.reach
-        out["slab"][i] = (slab.low, slab.high, (floor(height / grid.bucket) - 1) * grid.bucket, grid.bucket)
+        out["slab"][i] = (grid.low, grid.high, (floor(height / grid.bucket) - 1) * grid.bucket, grid.bucket)
         tile = NOISE_TILE * grid.cell
         along = np.asarray(slab.along)
         across = np.array([-along[1], along[0]]) / np.hypot(*along)
         still = camera[:2] - drift
-        at = np.array([still @ along, still @ across, camera[2]]) / tile
+        at = OBLIQUE @ np.array([still @ along, still @ across, camera[2]]) / tile
         out["noise"][i] = (*(at % 1.0), 1.0 / tile)
-        channel = slab.channel if grid.cell < slab.body else FBM
+        channel = slab.channel if slab.channel != BILLOWS or grid.cell < 2.5 * slab.body else FBM
         out["look"][i] = (slab.extinction, channel, *along)
+        # a single row holds whole clouds, which have no common base
+        lone = grid.rows == 1
+        spread = max(slab.soft, 0.2 * out["place"][i, 3])
+        base = slab.low - (10.0 if lone else 0.5) * spread
+        out["clip"][i] = (base, 1.0 / spread, 0.9 if lone else 1.0, 0.5 if lone else 1.0)
         seed = (slab.seed + 0x9E3779B9 * (grid.level + 1)) & 0xFFFFFFFF
         out["info"][i] = (grid.layer, grid.rows, grid.blocks, seed)
-    horizon = sqrt(max(2.0 * radius * height + height * height, 0.0))
-    out["planet"] = np.array([horizon, radius, 0.0, 0.0])
+    out["oblique"] = OBLIQUE
+    out["planet"] = np.array([_horizon(height, radius), radius, 0.0, 0.0])
     return out

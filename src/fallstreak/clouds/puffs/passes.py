@@ -40,8 +40,10 @@ class Puffs:
     """
 
     def __init__(self, graph: FrameGraph, clouds: Clouds):
-        layers = clouds.field.field.layers
-        slabs = tuple(_slab(layer) for layer in layers)
+        field = clouds.field.field
+        slabs = tuple(
+            _slab(layer, found.filled) for layer, found in zip(field.layers, field.calibrations, strict=True)
+        )
         # puffs along a side of a bucket: their number goes with the square
         number = clouds.quality.cloud_puffs * clouds.world.clouds.puffs.density**2
         self._pieces = PuffPasses(
@@ -71,16 +73,21 @@ class Puffs:
         return self._pieces.counts()
 
 
-def _slab(layer: Any) -> Slab:
+def _slab(layer: Any, filled: np.ndarray) -> Slab:
+    """What puffs need to know of a layer; `filled` by coverage and height, see `field.Calibration`."""
     genus = layer.genus
     along = np.array([np.cos(layer.towards), np.sin(layer.towards)]) / genus.stretch
     low, high = layer.bounds
+    below = filled[len(filled) // 2] / filled[len(filled) // 2, -1]
+    core = np.interp([0.02, 0.93], below, np.linspace(low, high, len(below)))
     return Slab(
         low,
         high,
         layer.extinction,
         layer.wind,
         layer.seed & 0xFFFFFFFF,
+        core=(float(core[0]), float(core[1])),
+        soft=max(layer.base_spread, 0.5 * layer.soft),
         cover=layer.coverage,
         channel=int(np.argmax(genus.look)),
         body=layer.body,
