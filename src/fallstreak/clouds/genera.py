@@ -69,7 +69,7 @@ class Genus:
     wind: float
     tile: float
     ice: bool = False
-    jitter: float = 0.34
+    jitter: float = 0.44
     base_spread: float = 60.0
     soft: float = 60.0
     clustering: float = 0.5
@@ -139,7 +139,7 @@ GENERA: dict[str, Genus] = {
         jitter=0.5,
     ),
     "cirrus": Genus(
-        base=8500.0, thickness=1300.0, water=0.03, drop=28.0, cell=9200.0, radius=(5500.0, 10e3),
+        base=8500.0, thickness=1300.0, water=0.04, drop=30.0, cell=8600.0, radius=(5500.0, 10e3),
         height=(0.7, 1.2), lifetime=7200.0, wind=32.0, tile=4200.0, ice=True, base_spread=500.0, soft=500.0,
         clustering=0.6, stretch=7.0, shear=4.0, amplitude=0.75, edge=0.9, look=(0.0, 0.4, 0.0, 0.6),
         aligned=0.93,

@@ -1,9 +1,8 @@
 """How many clouds give the coverage that is asked for: found once for each layer, by looking.
 
 A few random columns of air through a patch of the layer, at several numbers of clouds per cell: the share of
-columns whose optical depth counts as a cloud (`Genus.visible_depth`), the area of the clouds, and optical
-depth by height. The first, turned round, is what cells need; the others are what puffs larger than clouds
-see.
+columns whose optical depth counts as a cloud (`Genus.visible_depth`), optical depth and filled volume by
+height. The first, turned round, is what cells need; the others are what puffs larger than clouds see.
 """
 
 from __future__ import annotations
@@ -24,7 +23,6 @@ from .uniform import HEIGHTS, KNOTS
 _WANTED = (0.08, 0.17, 0.3, 0.45, 0.65, 0.85, 1.0, 1.3, 1.75, 2.4, 3.4, 5.0, 7.0)
 MOST = 0.995
 """Coverage beyond which nothing more is asked for."""
-BLOBS = 8
 _QUICK = 36  # cells along a side of the patch that is looked at; one column in each
 _SEED = 5
 _VERSION = b"1"  # to be raised when cells.py, density.py or volume.py change what they give
@@ -39,20 +37,16 @@ class Calibration:
     ----------
     knots : (9,)
         Mean number of clouds that a cell needs for the coverages `KNOTS`.
-    discs : (9,)
-        Area of the clouds' discs over that of the cells.
     profile : (9, 17)
         Optical depth below the ends of 16 equal parts of `Layer.bounds`, scaled so that the last is
         −ln of the mean transmittance of columns.
     filled : (9, 17)
         Mean density (0 to 1) below the same heights, times height, m.
     blobs : (8,)
-        Exponents of the opacity of blobs of ¼, ½, 1 … 32 times `Layer.body`, see `mean.fitted`; ones where
-        nobody looked.
+        Exponents of the opacity of blobs of `Layer.blobs` sizes, see `mean.fitted`; ones where nobody looked.
     """
 
     knots: np.ndarray
-    discs: np.ndarray
     profile: np.ndarray
     filled: np.ndarray
     blobs: np.ndarray
@@ -85,7 +79,7 @@ def key_of(layer: Layer) -> str:
     return digest.hexdigest()[:24]
 
 
-FIELDS = ("knots", "discs", "profile", "filled", "blobs")
+FIELDS = ("knots", "profile", "filled", "blobs")
 
 
 @cache
@@ -101,7 +95,7 @@ def calibrate(layer: Layer, side: int) -> Calibration:
     """Look how much of the sky numbers of clouds cover, in side² columns: error of the share .5 / side."""
     low, high = layer.bounds
     patch = _Patch(layer, side)
-    shares, discs, profiles, filled = [0.0], [0.0], [np.zeros(HEIGHTS + 1)], [np.zeros(HEIGHTS + 1)]
+    shares, profiles, filled = [0.0], [np.zeros(HEIGHTS + 1)], [np.zeros(HEIGHTS + 1)]
     part = (high - low) / HEIGHTS
     for wanted in _WANTED:
         clouds = patch.clouds(wanted)
@@ -109,9 +103,6 @@ def calibrate(layer: Layer, side: int) -> Calibration:
         depths = extinction * part
         columns = depths.sum(1)
         shares.append(float((columns > layer.genus.visible_depth).mean()))
-        discs.append(
-            float((clouds["formation"] * clouds["radius"] ** 2).mean()) * 0.5 * np.pi / layer.cell**2
-        )
         below = np.concatenate([[0.0], np.cumsum(depths.mean(0))])
         profiles.append(below * -np.log(np.exp(-columns).mean()) / max(below[-1], 1e-9))
         filled.append(np.concatenate([[0.0], np.cumsum(density.mean(0))]) * part)
@@ -120,12 +111,11 @@ def calibrate(layer: Layer, side: int) -> Calibration:
     clear = -np.log(1.0 - np.minimum(np.maximum.accumulate(shares), MOST)) + 1e-6 * np.arange(len(shares))
     grid = (0.0, *_WANTED)
     knots = np.interp(-np.log(1.0 - np.minimum(KNOTS, MOST)), clear, grid)
-    area = np.interp(knots, grid, discs) + 1e-4 * np.arange(len(KNOTS))
     tables = [
         np.stack([np.interp(knots, grid, column) for column in np.transpose(rows)], 1)
         for rows in (profiles, filled)
     ]
-    return Calibration(knots, area, tables[0], tables[1], np.ones(BLOBS))
+    return Calibration(knots, tables[0], tables[1], np.ones(len(layer.blobs)))
 
 
 class _Patch:

@@ -11,9 +11,8 @@ import numpy as np
 
 from ..shapes import SWELL
 from . import volume
-from .layers import FINER, Layer
+from .layers import FINER, SURFACE, Layer
 
-SURFACE = 0.25
 _CHUNK = 1 << 20  # pairs of places and boxes at a time
 
 

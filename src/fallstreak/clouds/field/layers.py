@@ -12,8 +12,11 @@ import numpy as np
 from ...noise.hashing import octave_seed
 from ..genera import GENERA, Genus
 from ..shapes import SWELL, CloudModel
+from .uniform import HEIGHTS
 
 SEED = 0x5C10D5  # clouds have nothing to do with what else follows from the world's seed
+SURFACE = 0.25
+"""Of the field, see ``density``."""
 CLOSED = 0.93
 """Part of its circle that a closed cloud fills."""
 FINER = 4.3
@@ -113,6 +116,11 @@ class Layer:
         upright = sum(float(m.boxes["half"][:, 2].mean()) / m.height for m in self.models)
         return min(radius * across, height * upright) / len(self.models)
 
+    @property
+    def blobs(self) -> np.ndarray:
+        """Eight sizes of blobs, evenly from a fourth of `body` to two cells, m."""
+        return np.geomspace(0.25 * self.body, 2.0 * self.cell, 8)
+
 
 @lru_cache(maxsize=128)
 def gap_of(model: CloudModel) -> float:
@@ -135,14 +143,41 @@ def gap_of(model: CloudModel) -> float:
 
 
 def _filled(model: CloudModel, places: np.ndarray, wider: float) -> float:
+    """Part of places (n, 2) that a model covers, heights left aside."""
+    x = _away(model, places, wider)
+    return float(((np.maximum(1.0 - 0.5 * x, 0.0) ** 2).sum(1) > SURFACE).mean())
+
+
+@lru_cache(maxsize=128)
+def outline_of(model: CloudModel) -> np.ndarray:
+    """Area of a model at heights from its base to `CloudModel.top`, over that of its disc.
+
+    Returns
+    -------
+    (17,)
+        The disc has half of the area of a circle of `CloudModel.reach`. Noise is left aside.
+    """
+    side = np.linspace(-1.0, 1.0, 41) * model.reach
+    east, north = (a.ravel() for a in np.meshgrid(side, side))
+    across = _away(model, np.stack([east, north], 1), 0.0)
+    area = (side[1] - side[0]) ** 2 / (0.5 * np.pi * model.reach**2)
+    shares = []
+    for part in np.linspace(0.0, 1.0, HEIGHTS + 1):
+        z = (part * model.top - model.boxes["centre"][:, 2]) / (SWELL * model.boxes["half"][:, 2])
+        field = (np.maximum(1.0 - 0.5 * (across + z * z), 0.0) ** 2).sum(1)
+        shares.append(float((field > SURFACE).sum()) * area)
+    return np.array(shares)
+
+
+def _away(model: CloudModel, places: np.ndarray, wider: float) -> np.ndarray:
+    """Squared horizontal distances of places (n, 2) from a model's boxes, in their sizes: (n, boxes)."""
     boxes = model.boxes
     v = places[:, None] - boxes["centre"][:, :2]
     c, s = boxes["cosine"], boxes["sine"]
     size = SWELL * (boxes["half"][:, :2] + wider)
     x = (c * v[..., 0] + s * v[..., 1]) / size[:, 0]
     y = (c * v[..., 1] - s * v[..., 0]) / size[:, 1]
-    k = np.maximum(1.0 - 0.5 * (x * x + y * y), 0.0) ** 2
-    return float((k.sum(1) > 0.25).mean())
+    return x * x + y * y
 
 
 def _or(given: float | None, usual: float) -> float:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from . import density
-from .calibration import BLOBS
 from .cells import patchy
+from .layers import Layer
 from .model import Field
 from .uniform import HEIGHTS, KNOTS
 
@@ -41,23 +41,33 @@ def mean_extinction(field: Field, points: np.ndarray, size: float, time: float) 
 def _layer_mean(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
     layer = field.layers[index]
     low, high = layer.bounds
-    out = np.zeros(len(points))
+    opacity = np.zeros(len(points))
     at = np.flatnonzero((points[:, 2] + 0.5 * size > low) & (points[:, 2] - 0.5 * size < high))
     if not len(at):
-        return out
+        return opacity
     blurred = _smooth(0.5 * layer.body, 1.5 * layer.body, size)
     if blurred < 1.0:
-        out[at] += (1.0 - blurred) * _soft(field, index, points[at], size, time)
+        opacity[at] += (1.0 - blurred) * -np.expm1(-size * _soft(field, index, points[at], size, time))
     if blurred > 0.0:
-        out[at] += blurred * _statistical(field, index, points[at], size, time)
+        opacity[at] += blurred * -np.expm1(-size * _statistical(field, index, points[at], size, time))
     exponents = [1.0, *field.calibrations[index].blobs]
-    opacity = 1.0 - np.maximum(np.exp(-out * size), LEAST)
-    opacity **= np.interp(np.log2(size / layer.body) + 3.0, np.arange(len(exponents)), exponents)
+    opacity **= np.interp(_rank(layer, size), np.arange(len(exponents)), exponents)
+    return _dense(opacity, size)
+
+
+def _dense(opacity: np.ndarray, size: float) -> np.ndarray:
+    """Extinction of blobs of an opacity."""
     return -np.log(np.maximum(1.0 - opacity, LEAST)) / size
 
 
+def _rank(layer: Layer, size: float) -> float:
+    """Where a size lies among `Layer.blobs`, the first at 1."""
+    first, second = layer.blobs[:2]
+    return float(np.log2(size / first) / np.log2(second / first)) + 1.0
+
+
 def fitted(field: Field) -> np.ndarray:
-    """Exponents by which blobs of `BLOBS` sizes let through what they should on average over the first layer.
+    """Exponents by which blobs of all sizes let through what they should on average over the first layer.
 
     The field must have been calibrated without: ones.
     """
@@ -66,8 +76,7 @@ def fitted(field: Field) -> np.ndarray:
     random = np.random.default_rng(7)
     blobs, lines, steps = 400, 8, 12
     out = []
-    for k in range(BLOBS):
-        size = layer.body * 2.0 ** (k - 2)
+    for size in layer.blobs:
         place = random.uniform(size=(blobs, 3)) * [80 * layer.cell, 80 * layer.cell, high - low]
         place[:, 2] += low
         want = seen_through(field, place, size, lines, steps, random)
@@ -112,22 +121,29 @@ def _soft(field: Field, index: int, points: np.ndarray, size: float, time: float
 
 
 def _statistical(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
-    """By the layer's calibration at the coverage around."""
-    layer, found = field.layers[index], field.calibrations[index]
+    """Without the field itself: by the outlines of the clouds around, and beyond cells by coverage."""
+    layer = field.layers[index]
     wide = _smooth(0.7 * layer.cell, 1.6 * layer.cell, size)
-    coverage = np.zeros(len(points))
-    if wide > 0.0:
-        places = (points[:, :2] - np.asarray(layer.wind) * time) / layer.cell
-        seen = 1.0 - _smooth(3.0 * layer.cell, 15.0 * layer.cell, size)
-        asked = field.coverage(index, points[:, 0], points[:, 1])
-        coverage += wide * patchy(layer, places, asked, float(seen))
+    opacity = np.zeros(len(points))
     if wide < 1.0:
-        area = _discs(field, index, points, size, time)
-        coverage += (1.0 - wide) * np.interp(area, found.discs, KNOTS)
+        opacity += (1.0 - wide) * _outlined(field, index, points, size, time)
+    if wide > 0.0:
+        opacity += wide * -np.expm1(-size * _calibrated(field, index, points, size, time))
+    return _dense(opacity, size)
+
+
+def _calibrated(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """By the layer's calibration at the coverage that is asked for."""
+    layer = field.layers[index]
+    places = (points[:, :2] - np.asarray(layer.wind) * time) / layer.cell
+    seen = 1.0 - _smooth(3.0 * layer.cell, 15.0 * layer.cell, size)
+    asked = field.coverage(index, points[:, 0], points[:, 1])
+    coverage = patchy(layer, places, asked, float(seen))
     knot = np.interp(coverage, KNOTS, np.arange(len(KNOTS)))
     top, bottom = (_below(field, index, knot, points[:, 2] + h) for h in (0.5 * size, -0.5 * size))
     depth, filled = ((t - b) / size for t, b in zip(top, bottom, strict=True))
-    # low blobs see what is filled at their height, high ones whole columns, in which clouds cover each other
+    # low blobs see what is filled at their height, lump by lump; high ones whole columns, where clouds hide
+    # each other
     low, high = layer.bounds
     tall = _smooth(0.25, 1.0, size / (high - low))
     return (1.0 - tall) * _broken(filled, 0.85 * layer.extinction, min(size, layer.body)) + tall * depth
@@ -138,15 +154,33 @@ def _broken(part: np.ndarray, extinction: float | np.ndarray, size: float) -> np
     return -np.log(np.maximum(1.0 - part + part * np.exp(-extinction * size), LEAST)) / size
 
 
-def _discs(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
-    """Area of the clouds around over that of their places; the blob's size blurs their discs."""
+def _outlined(field: Field, index: int, points: np.ndarray, size: float, time: float) -> np.ndarray:
+    """Opacity of blobs by the clouds around, each as wide as its model is at the blob's heights."""
     clouds, rows = field.around(index, points, time)
     near = clouds[rows]
     way = points[:, None, :2] - near["place"]
-    own = 0.5 * near["radius"] ** 2
-    wide = own + 0.25 * size * size
-    k = np.maximum(1.0 - 0.5 * (way * way).sum(-1) / wide, 0.0)
-    return (1.5 * near["formation"] * own / wide * k * k).sum(1)
+    blur = 0.25 * size * size
+    tall = near["top"] - near["base"]
+    ends = (points[:, None, 2] - near["base"] + np.array([[-0.5 * size], [0.5 * size]])[..., None]) / tall
+    low, high = np.clip(ends, 0.0, 1.0)
+    some = (high > low) & (near["radius"] > 0.0)
+    span = np.where(some, high - low, 1.0)
+    parts = (low + span / 6.0, low + 0.5 * span, high - span / 6.0)
+    areas = np.stack([_area_at(field, near["model"], np.clip(part, 0.0, 1.0)) for part in parts])
+    widest = areas.max(0)
+    depth = 0.85 * near["extinction"] * span * tall * areas.mean(0) / np.maximum(widest, 1e-6)
+    own = 0.5 * near["radius"] ** 2 * widest
+    k = np.maximum(1.0 - 0.5 * (way * way).sum(-1) / (own + blur), 0.0)
+    hidden = 1.5 * near["formation"] * own / (own + blur) * k * k * -np.expm1(-depth)
+    return np.minimum(np.where(some, hidden, 0.0).sum(1), 1.0)
+
+
+def _area_at(field: Field, model: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Area of models at parts of their heights, over that of their discs."""
+    place = part * HEIGHTS
+    row = np.minimum(place.astype(np.int64), HEIGHTS - 1)
+    table = field.outlines
+    return table[model, row] + (place - row) * (table[model, row + 1] - table[model, row])
 
 
 def _below(field: Field, index: int, knot: np.ndarray, height: np.ndarray) -> list[np.ndarray]:

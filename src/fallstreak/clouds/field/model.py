@@ -12,7 +12,7 @@ from . import density
 from .calibration import Calibration, calibration_of
 from .cells import clouds_of, needed, patchy
 from .coverage import CoverageMap, read_coverage
-from .layers import Layer
+from .layers import Layer, outline_of
 
 _CHUNK = 1 << 17  # places at a time
 
@@ -32,6 +32,8 @@ class Field:
     ----------
     packed : shapes.Packed
         All layers' models.
+    outlines : (models, 17)
+        See `layers.outline_of`.
     first : list of int
         Each layer's first model in it.
     """
@@ -44,6 +46,7 @@ class Field:
     ):
         self.layers, self.maps = layers, maps
         self.packed = pack([model for layer in layers for model in layer.models])
+        self.outlines = np.stack([outline_of(model) for layer in layers for model in layer.models] or [[]])
         counts = [len(layer.models) for layer in layers]
         self.first = [sum(counts[:i]) for i in range(len(counts))]
         self.calibrations = calibrations or tuple(calibration_of(layer) for layer in layers)

@@ -50,8 +50,11 @@ class FieldPasses:
         graph.buffer("clouds.cells", count * self.window**2 * CLOUD_BYTES)
         graph.buffer_data("clouds.boxes", field.packed.boxes)
         graph.buffer_data("clouds.models", field.packed.models)
-        profiles = np.stack([np.stack([c.profile, c.filled], -1) for c in field.calibrations])
-        graph.buffer_data("clouds.profiles", profiles.astype(np.float32))
+        profiles = [np.stack([c.profile, c.filled], -1) for c in field.calibrations]
+        outlines = [np.stack([row, row], -1) for row in field.outlines]
+        graph.buffer_data(
+            "clouds.profiles", np.concatenate([*np.concatenate(profiles), *outlines]).astype(np.float32)
+        )
         graph.texture_data("clouds.noise", volume.volume(), "rgba8unorm", dimension="3d")
         plans = [plan.values for plan in field.maps if plan is not None]
         maps = np.stack(plans or [np.ones((1, 1), np.float32)]).astype(np.float32)
@@ -132,10 +135,9 @@ class FieldPasses:
             out["axes"][i] = *way, np.hypot(*along), np.hypot(*across)
             out["noise"][i] = genus.amplitude, genus.edge, genus.shear, layer.body
             out["look"][i] = genus.look
-            out["widening"][i, 0] = layer.gap
+            out["widening"][i, :2] = layer.gap, 1.0 / np.log2(layer.blobs[1] / layer.blobs[0])
             out["knots_low"][i], out["knots_high"][i] = knots[1:5], knots[5:]
-            discs, blobs = field.calibrations[i].discs, field.calibrations[i].blobs
-            out["discs_low"][i], out["discs_high"][i] = discs[1:5], discs[5:]
+            blobs = field.calibrations[i].blobs
             out["blobs_low"][i], out["blobs_high"][i] = blobs[:4], blobs[4:]
         return out
 
