@@ -120,8 +120,8 @@ def ambient_share(depth_above: ArrayLike, depth_below: ArrayLike) -> Array:
 def ambient_share_of_three(depth_above: ArrayLike, depth_below: ArrayLike, depth_aside: ArrayLike) -> Array:
     """The same where the optical depth to the nearest side is known too.
 
-    Each way out lets light in as it passes it, ``1 / (2/3 + (1 - g) τ)``; for two ways that is `ambient_share`.
-    Half of what comes from aside is the sky's.
+    Each way out lets light in as it passes it, ``1 / (2/3 + (1 - g) τ)``; for two ways that is
+    `ambient_share`. Half of what comes from aside is the sky's.
     """
     above, below, aside = (
         1 / (2 / 3 + (1 - G) * np.asarray(d, float)) for d in (depth_above, depth_below, depth_aside)
