@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import fallstreak as fs
-from fallstreak.clouds.field import field_of
+from fallstreak.clouds.field import field_of, volume
 from fallstreak.clouds.field.cells import clouds_of
 from fallstreak.clouds.field.model import neighbours
 from fallstreak.clouds.genera import GENERA
@@ -145,6 +145,19 @@ def test_extinction_does_not_jump_in_time():
 
 
 # ---- what clouds are like --------------------------------------------------------------------------------
+
+
+def test_the_noise_is_what_the_script_bakes():
+    """If this fails, run script/calibrate_clouds.py."""
+    difference = np.abs(volume.volume().astype(int) - volume.baked())
+    assert difference.max() <= 1 and difference.mean() < 1e-3
+
+
+def test_noise_repeats_and_is_as_often_dark_as_bright():
+    points = np.random.default_rng(0).uniform(-3.0, 3.0, (500, 3))
+    values = volume.sample(points)
+    np.testing.assert_allclose(volume.sample(points + np.array([1.0, -2.0, 5.0])), values, atol=1e-9)
+    np.testing.assert_allclose(values.mean(0), 0.5, atol=0.05)
 
 
 def test_every_genus_has_models():

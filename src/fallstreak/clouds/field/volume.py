@@ -9,15 +9,23 @@ bytes.
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 SIZE = 64
+DATA = Path(__file__).parent / "data" / "volume.npz"
 
 
 @cache
 def volume() -> np.ndarray:
-    """(64, 64, 64, 4) uint8, axes z, y, x."""
+    """(64, 64, 64, 4) uint8, axes z, y, x; as `baked` made it: compiling what that needs takes seconds."""
+    with np.load(DATA) as held:
+        return held["volume"]
+
+
+def baked() -> np.ndarray:
+    """The volume, made anew."""
     from ...noise import grid
 
     shape = (SIZE,) * 3
@@ -29,9 +37,7 @@ def volume() -> np.ndarray:
             shape, kind="perlin", fractal="ridged", octaves=4, frequency=4, period=4, seed=14, step=1 / SIZE
         ),
     ]
-    held = np.stack([_even(channel) for channel in channels], -1)
-    held.setflags(write=False)
-    return held
+    return np.stack([_even(channel) for channel in channels], -1)
 
 
 def _even(values: np.ndarray) -> np.ndarray:
