@@ -34,7 +34,15 @@ def coded(key, ambient, distance, opacity):
 class CloudStage:
     """Sky, a depth as given and a layer of clouds as given."""
 
-    def __init__(self, device: Device, layer: np.ndarray, size=(64, 36), depth=None, colours="physical"):
+    def __init__(
+        self,
+        device: Device,
+        layer: np.ndarray,
+        size=(64, 36),
+        depth=None,
+        colour=None,
+        technique="puffs",
+    ):
         self.size, self.device, self.scale = size, device, 1e-3
         self.graph = graph = FrameGraph(device)
         self.view = graph.uniform("view", VIEW)
@@ -47,13 +55,19 @@ class CloudStage:
         self.world = World(name="stage")
         self.sky = Sky(device, graph, self.world, replace(QUALITY["low"]), size)
         graph.texture_data("clouds.layer", layer, "rgba16float")
+        if colour is not None:
+            graph.texture_data("clouds.colour", colour, "rgba16float")
         self.clouds: Any = SimpleNamespace(
             any=True,
             moonlit=False,
             shadow=None,
             size=layer.shape[1::-1],
             picture=size,
-            world=SimpleNamespace(clouds=SimpleNamespace(colours=colours)),
+            world=SimpleNamespace(
+                clouds=SimpleNamespace(
+                    colours="physical" if colour is None else "artist", technique=technique
+                )
+            ),
         )
         add_clouds(graph, self.clouds)
         graph.output("frame.hdr", "sky.irradiance")

@@ -81,3 +81,13 @@ def test_seen_from_far_above(device):
     stage = CloudStage(device, full(0.8, 0.7, 30e3))
     below, above = (stage.frame(altitude=h, pitch=-50.0)[18, 32] for h in (19.9e3, 20.1e3))
     assert above == pytest.approx(below, rel=0.03)
+
+
+def test_artists_colours_keep_their_hue_at_every_hour(device):
+    """1 is as bright as white paper on level ground there, whatever colour the light has."""
+    pink = np.broadcast_to(np.array([1.0, 0.6, 0.7, 1.0], np.float16), (*SIZE[::-1], 4))
+    stage = CloudStage(device, full(1, 1), colour=pink)
+    for sun in ((50.0, 180.0), (2.0, 180.0)):
+        got = stage.frame(sun=sun)[18, 32]
+        assert got[1] / got[0] == pytest.approx(0.6, abs=0.03)
+        assert got[2] / got[0] == pytest.approx(0.7, abs=0.05)
