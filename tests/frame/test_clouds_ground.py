@@ -1,14 +1,40 @@
 """Land under clouds: an overcast sky's white light and no shadows, broken clouds' shadows, air that dims."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import fallstreak as fs
-from fallstreak.clouds import light
+from fallstreak.clouds import light, passes
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 NOON = "2025-06-21T12:30:00-04:00"
 SINE = 0.94  # of the sun's elevation then and there
+
+
+class Nothing:
+    """A technique that leaves its layer empty: here the land is looked at."""
+
+    def __init__(self, graph, clouds):
+        graph.textures["clouds.layer"].usage |= 0x10  # an attachment
+
+        def clear(context):
+            view = context.resource("clouds.layer").create_view()
+            colour = {"view": view, "clear_value": (0, 0, 0, 0), "load_op": "clear", "store_op": "store"}
+            context.encoder.begin_render_pass(color_attachments=[colour]).end()
+
+        graph.add_pass("nothing", writes=["clouds.layer"], record=clear)
+
+    def update(self, state):
+        pass
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_technique():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passes, "import_module", lambda *_: SimpleNamespace(Puffs=Nothing))
+        yield
 
 
 def ground(layers, pitch=-60.0, **clouds):
@@ -28,11 +54,13 @@ def ground(layers, pitch=-60.0, **clouds):
             "clouds": {"technique": "puffs", "layers": layers, **clouds},
         }
     )
-    return fs.render(world, (64, 36), "low").hdr.astype(float)
+    hdr = fs.render(world, (64, 36), "low").hdr
+    assert hdr is not None
+    return hdr.astype(float)
 
 
 @pytest.fixture(scope="module")
-def clear():
+def clear(_no_technique):
     return ground([])
 
 
