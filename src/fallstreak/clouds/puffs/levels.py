@@ -160,7 +160,7 @@ def fineness_of(
         low, high = slab.core or (slab.low, slab.high)
         rows = np.maximum(np.round((high - low) / sizes), 1.0)
         # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
-        filled = (0.3 * slab.cover) ** (1.0 / (1.0 + (0.5 * sizes / max(slab.body, 1.0)) ** 2))
+        filled = (0.36 * slab.cover) ** (1.0 / (1.0 + (0.5 * sizes / max(slab.body, 1.0)) ** 2))
         rows = np.minimum(rows, 8.0) * filled
         area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
         visible = sizes * slab.extinction > LEAST_DEPTH
@@ -227,7 +227,7 @@ def grid_struct(count: int) -> Struct:
             ("slab", f"array<vec4f, {count}>", "m: lowest, highest matter; lowest bucket's floor; bucket"),
             ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
             ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; the noise's channel; its long axis"),
-            ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height over width; how far rows vary"),
+            ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height of puffs; how far rows vary"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
             ("oblique", "mat3x3f", "axes of the noise"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
