@@ -7,12 +7,23 @@ their ties differ. Cost: five small passes; n times the things in a bin for the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ..gpu import FrameGraph
 
 BINS = 8192
 
 
-def add_order(graph: FrameGraph, name: str, *, keys: str, count: str, word: int, capacity: int) -> str:
+def add_order(
+    graph: FrameGraph,
+    name: str,
+    *,
+    keys: str,
+    count: str,
+    word: int,
+    capacity: int,
+    when: Callable[[], bool] | None = None,
+) -> str:
     """Add the passes that order things.
 
     Parameters
@@ -28,15 +39,18 @@ def add_order(graph: FrameGraph, name: str, *, keys: str, count: str, word: int,
         in this word.
     capacity : int
         The most there may be.
+    when : callable, optional
+        As of `FrameGraph.compute`.
 
     Returns
     -------
     str
         Buffer, ``array<u32>``: indices of things, far to near.
     """
-    result = graph.buffer(f"{name}.order", 4 * capacity)
-    graph.buffer(f"{name}.bins", 4 * BINS)
-    graph.buffer(f"{name}.binned", 4 * capacity)
+    kept = when is not None
+    result = graph.buffer(f"{name}.order", 4 * capacity, persistent=kept)
+    graph.buffer(f"{name}.bins", 4 * BINS, persistent=kept)
+    graph.buffer(f"{name}.binned", 4 * capacity, persistent=kept)
     every = {
         "keys": keys,
         "count": count,
@@ -60,5 +74,6 @@ def add_order(graph: FrameGraph, name: str, *, keys: str, count: str, word: int,
             bind=every,
             groups=groups,
             constants=constants,
+            when=when,
         )
     return result

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...gpu import VIEW, FrameGraph
+from ...gpu import FrameGraph
 from ...world.state import FrameState, local_axes, map_coordinates
-from ..frame import CLOUD_FRAME
-from ..order import add_order
-from ..shadow import CLOUD_SHADOW
 from .artist import paint
+from .draw import MOST, add_sprites
 from .grain import grain
+from .ring.passes import Ring
+from .scope import SPRITE_SCOPE
 from .stock import stock
 from .textures import sheet
 
 if TYPE_CHECKING:
     from ..passes import Clouds
 
-MOST = 32768
-"""Sprites that are drawn at most."""
-BINS = 128
 _CORNERS = 4
 _TRIANGLES = ((0, 1, 2), (0, 2, 3))
 
@@ -41,22 +38,29 @@ class Sprites:
         graph.buffer_data("clouds.sprites.stock", made)
         graph.buffer_data("clouds.sprites.first", first)
         graph.texture_data("clouds.sprites.sheet", sheet(), "rgba8unorm", dimension="2d-array", mips=True)
-        looks = [layer.genus.look for layer in clouds.field.field.layers]
+        layers = clouds.field.field.layers
+        looks = [layer.genus.look for layer in layers]
         graph.texture_data("clouds.sprites.grain", grain(looks), "rgba8unorm", dimension="3d")
         corners = _CORNERS * np.arange(MOST, dtype=np.uint32)[:, None] + np.ravel(_TRIANGLES).astype(
             np.uint32
         )
         graph.buffer_data("clouds.sprites.corners", corners, usage=("index",))
         self._graph = graph
-        self._models = [model for layer in clouds.field.field.layers for model in layer.models]
+        self._models = [model for layer in layers for model in layer.models]
         self._artist = clouds.world.clouds.colours == "artist"
         if self._artist:
             graph.texture("clouds.colour", "rgba16float", clouds.size)
             graph.buffer_data("clouds.sprites.paint", paint(self._models, 1.0, 0.0))
-        add_sprites(graph, clouds, "clouds.sprites")
+        self._scope = graph.uniform("clouds.sprites.scope", SPRITE_SCOPE)
+        self._scope.set(slices=(0.0, 1e9), behind=1e9)
+        with_ring = clouds.world.clouds.sprites.ring and not self._artist
+        self.ring = Ring(graph, clouds, self._scope) if with_ring else None
+        add_sprites(graph, clouds, "clouds.sprites", artist=self._artist)
 
     def update(self, state: FrameState) -> None:
-        """Tell the artists' colours the hour; all else is what all clouds are told."""
+        """Tell the ring where the camera is, and the artists' colours the hour."""
+        if self.ring is not None:
+            self.ring.update(state)
         if self._artist:
             centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
             axes = local_axes(
@@ -66,74 +70,23 @@ class Sprites:
             height = float(sun @ centre / np.linalg.norm(centre))
             self._graph.upload("clouds.sprites.paint", paint(self._models, height, float(sun @ axes[:, 0])))
 
+    def counts(self) -> dict[str, int]:
+        """What the last frame chose and drew; waits for the GPU.
 
-def add_sprites(graph: FrameGraph, clouds: Clouds, name: str) -> None:
-    """Add the passes that choose, light, order and draw sprites."""
-    field = clouds.field
-    cells = len(field.field.layers) * field.window**2
-    shadow = clouds.shadow is not None
-    graph.buffer(f"{name}.work", 32, usage=("indirect",), persistent=True)
-    graph.buffer(f"{name}.draw", 32, usage=("indirect",), persistent=True)
-    graph.buffer(f"{name}.wanted", 4 * BINS)
-    graph.buffer(f"{name}.chosen", 4 * cells)
-    graph.buffer(f"{name}.sprites", 224 * MOST, persistent=True)
-    graph.buffer(f"{name}.keys", 8 * MOST)
-    own = {word: f"{name}.{word}" for word in ("work", "draw", "wanted", "chosen", "sprites", "keys")}
-    common = {
-        "view": "view",
-        "frame": "clouds.frame",
-        "stock": "clouds.sprites.stock",
-        "first": "clouds.sprites.first",
-        "sheet": "clouds.sprites.sheet",
-        "linear": "sampler:linear-clamp",
-        "shadow": "clouds.shadow_frame",
-        "shadow_map": "clouds.shadow",
-        "scene": "gbuffer.depth",
-        "grain": "clouds.sprites.grain",
-        **field.bind,
-        **own,
-    }
-    options: dict[str, Any] = {
-        "structs": [VIEW, CLOUD_FRAME, CLOUD_SHADOW, *field.structs],
-        "constants": {
-            "BINS": BINS,
-            "MOST": MOST,
-            "DENSITY": float(clouds.world.clouds.sprites.density),
-            "PIXELS": clouds.picture[1] / clouds.size[1],
-            "DEPTH_TEXELS": tuple(p / s for p, s in zip(clouds.picture, clouds.size, strict=True)),
-            "GRAINS": float(len(field.field.layers)),
-            **field.constants,
-        },
-    }
+        Returns
+        -------
+        dict
+            clouds, sprites: drawn one by one; ring_clouds, ring_sprites: of the picture of the ring that was drawn
+            last; ring_side: 1 if that was in this frame.
+        """
+        found = {}
+        for name, word in (("clouds.sprites", ""), ("clouds.ring", "ring_"))[: 1 + (self.ring is not None)]:
+            found[f"{word}clouds"] = int(_words(self._graph.read(f"{name}.work"))[0])
+            found[f"{word}sprites"] = int(_words(self._graph.read(f"{name}.draw"))[5])
+        if self.ring is not None:
+            found["ring_side"] = int(self.ring.plan.side is not None)
+        return found
 
-    def add(step: str, groups: Any, **more: Any) -> None:
-        graph.compute(
-            f"{name}.{step}",
-            f"package::clouds::sprites::{step}",
-            bind=common,
-            groups=groups,
-            **options,
-            **more,
-        )
 
-    add("begin", (1, 1, 1), order=-1.0)
-    add("select", (-(-cells // 64), 1, 1))
-    add("budget", (1, 1, 1))
-    artist = clouds.world.clouds.colours == "artist"
-    if artist:
-        graph.buffer(f"{name}.marks", 48 * MOST)
-        common |= {"marks": f"{name}.marks", "paint": "clouds.sprites.paint"}
-    add("expand", own["work"], flags={"SHADOW": shadow, "ARTIST": artist})
-    order = add_order(graph, name, keys=own["keys"], count=own["draw"], word=5, capacity=MOST)
-    for painted in (False, True)[: 1 + artist]:
-        graph.render(
-            f"{name}.paint" if painted else f"{name}.draw",
-            "package::clouds::sprites::draw",
-            color=["clouds.colour" if painted else "clouds.layer"],
-            blend="over",
-            bind={**common, "order": order},
-            indirect=own["draw"],
-            index="clouds.sprites.corners",
-            flags={"ARTIST": painted},
-            **options,
-        )
+def _words(data: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(data).view(np.uint32)

@@ -31,7 +31,8 @@ STOCK = np.dtype(
 )
 """64 bytes, in the model's space, m. `half`: half axes of the ellipsoid; they grow by `widening` for each
 metre that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture, chance << 8, shading group <<
-16, box of the model << 24; `middle`: of the shading group; `share`: the least density of sprites at which this one is drawn."""
+16, box of the model << 24; `middle`: of the shading group; `share`: the least density of sprites at which
+this one is drawn."""
 
 
 def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
