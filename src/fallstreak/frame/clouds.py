@@ -42,6 +42,7 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
     view = graph.uniforms["view"].record
     coarse = clouds.size != clouds.picture
     artist = clouds.world.clouds.colours == "artist"
+    polar = clouds.world.clouds.technique == "spheres"
     bind = {
         "view": "view",
         "air": "sky.air",
@@ -86,6 +87,7 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
                     "KEY_MOON": key_moon,
                     "FAR": from_far,
                     "ARTIST": artist,
+                    "POLAR": polar,
                     "SHADOWS": clouds.shadow is not None,
                 },
                 structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
