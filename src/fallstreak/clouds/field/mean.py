@@ -29,8 +29,8 @@ def mean_extinction(field: Field, points: np.ndarray, size: float, time: float) 
     Returns
     -------
     (n,)
-        1/m. Against the mean transmittance of lines through the field across a blob, see
-        ``tests/clouds/test_field_mean.py``.
+        1/m. Against the mean transmittance of upright lines through blobs (`seen_through`) at coverage .4:
+        the mean over a layer is right within .03 (cumulonimbus .06), a single blob within .05 to .2.
     """
     return sum(
         (_layer_mean(field, index, points, size, time) for index in range(len(field.layers))),
