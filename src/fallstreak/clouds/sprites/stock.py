@@ -1,7 +1,7 @@
-"""All sprites of a world's cloud models, as the GPU chooses among them: three levels of detail of each model.
+"""All sprites of a world's cloud models, as the GPU chooses among them: four levels of detail of each model.
 
-The coarsest is one sprite that stands for a whole cloud, then come those that stand for a box each, then the
-small ones that lie about under the boxes' surfaces.
+The coarsest is one sprite that stands for a whole cloud, then a few that stand for several boxes each, then
+those that stand for a box each, then the small ones that lie about under the boxes' surfaces.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import numpy as np
 from ..shapes import SWELL
 from ..shapes.pack import Packed
 
-WHOLE, BOX, FINE = 0, 1, 2
+WHOLE, BOX, FINE, FEW = 0, 1, 2, 3
 """Levels of detail."""
 
 NO_BOX = 255
+MOST_PARTS = 5
 
 STOCK = np.dtype(
     [
@@ -46,8 +47,8 @@ def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
     -------
     sprites : (n,) of `STOCK`
     first : (models, 4) uint32
-        Of each model: first sprite (the whole one), number of sprites of boxes (they follow), number of fine
-        ones (they come last), nothing.
+        Of each model: first sprite (the whole one), number of sprites of boxes, number of fine ones (they come
+        last), number of the few (they follow the first).
     """
     rows: list[np.ndarray] = []
     first = np.zeros((len(packed.models), 4), np.uint32)
@@ -56,17 +57,22 @@ def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
         first_box, boxes, first_sprite, sprites = (int(v) for v in model["first"])
         own = packed.boxes[first_box : first_box + boxes]
         made = _of_model(own, packed.sprites[first_sprite : first_sprite + sprites], first_box)
-        entry[:3] = at, (made["level"] == BOX).sum(), (made["level"] == FINE).sum()
+        entry[:] = at, *((made["level"] == level).sum() for level in (BOX, FINE, FEW))
         rows.append(made)
         at += len(made)
     return np.concatenate(rows), first
 
 
 def _of_model(boxes: np.ndarray, sprites: np.ndarray, first_box: int) -> np.ndarray:
-    out = np.zeros(1 + len(sprites), STOCK)
+    parts = _parts(boxes)
+    few = parts.max() + 1
+    out = np.zeros(1 + few + len(sprites), STOCK)
     out[0] = _whole(boxes)
+    for part in range(few):
+        out[1 + part] = _whole(boxes[parts == part])
+        out[1 + part]["level"] = FEW
     box = boxes[sprites["word"][:, 0] - first_box]
-    rest = out[1:]
+    rest = out[1 + few :]
     rest["centre"], rest["density"] = sprites["centre"], box["density"]
     rest["half"] = SWELL * sprites["size"][:, None] * box["half"]
     rest["widening"] = SWELL * sprites["size"]
@@ -80,7 +86,27 @@ def _of_model(boxes: np.ndarray, sprites: np.ndarray, first_box: int) -> np.ndar
         within = boxes["group"] == group
         weight = boxes["half"][within].prod(1)
         rest["middle"][groups == group] = np.average(boxes["centre"][within], axis=0, weights=weight)
-    return out[np.argsort(out["level"], kind="stable")]
+    return out[np.argsort(_ORDER[out["level"]], kind="stable")]
+
+
+_ORDER = np.array([0, 2, 3, 1])  # in which levels come
+
+
+def _parts(boxes: np.ndarray) -> np.ndarray:
+    """Which of at most `MOST_PARTS` parts of a cloud each box belongs to: means that move, from far boxes."""
+    half = boxes["half"].astype(float)
+    centre, volume = boxes["centre"].astype(float), half.prod(1)
+    chosen = [int(volume.argmax())]
+    while len(chosen) < min(MOST_PARTS, len(boxes)):
+        away = np.linalg.norm(centre[:, None] - centre[chosen], axis=-1).min(1)
+        chosen.append(int((away * volume ** (1 / 3)).argmax()))
+    means = centre[chosen]
+    part = np.zeros(len(boxes), int)
+    for _ in range(12):
+        part = np.linalg.norm(centre[:, None] - means, axis=-1).argmin(1)
+        kept = np.unique(part)
+        means = np.array([np.average(centre[part == k], axis=0, weights=volume[part == k]) for k in kept])
+    return np.unique(part, return_inverse=True)[1]
 
 
 def _is_first(box: np.ndarray) -> np.ndarray:
