@@ -22,6 +22,7 @@ from ...world.errors import WorldError, shorten
 SIZE = 512
 _MARGIN = 0.1  # of the map's width, on which it fades into its mean
 _LARGEST = 12_000 * 12_000
+_FARTHEST = 2.1e7  # m: halfway around the Earth
 _EDGES = ("west", "east", "south", "north")
 
 
@@ -105,10 +106,10 @@ def _read_png(path: Path, extent: float) -> _Raster:
             pixels = np.asarray(image.getchannel(0) if mode == "LA" else image)
     except (WorldError, OSError) as error:
         if isinstance(error, OSError) and error.errno is None:
-            raise WorldError(f"{path}: not a readable PNG ({str(error)[:120]})") from None
+            raise WorldError(f"{path}: not a readable PNG ({_first_line(error)})") from None
         raise
     except Exception as error:  # what broken pictures make Pillow say has no common type
-        raise WorldError(f"{path}: not a readable PNG ({str(error)[:120]})") from None
+        raise WorldError(f"{path}: not a readable PNG ({_first_line(error)})") from None
     full = {"1": 1.0, "L": 255.0, "LA": 255.0}.get(mode, 65535.0)
     values = pixels[::-1].astype(np.float64) / full
     edges, degrees = _sidecar(path.with_suffix(".toml"))
@@ -129,7 +130,7 @@ def _sidecar(path: Path) -> tuple[tuple[float, ...] | None, bool]:
     try:
         keys = tomllib.loads(data.decode("utf-8-sig"))
     except ValueError as error:
-        raise WorldError(f"{path}: not readable as TOML ({str(error)[:120]})") from None
+        raise WorldError(f"{path}: not readable as TOML ({_first_line(error)})") from None
     for key in keys:
         if key not in (*_EDGES, "crs"):
             raise WorldError(
@@ -143,7 +144,7 @@ def _sidecar(path: Path) -> tuple[tuple[float, ...] | None, bool]:
         value = keys.get(key)
         if key not in keys:
             raise WorldError(f"{path}: has no {key}; needed are west, east, south and north")
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= 2.1e7:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _FARTHEST:
             raise WorldError(f"{path}: {key} = {shorten(value)}; it must be a number")
         edges.append(float(value))
     west, east, south, north = edges
@@ -170,8 +171,10 @@ def _read_npz(path: Path, extent: float) -> _Raster:
                 raise WorldError(f"{path}: holds more than {_LARGEST:,} numbers when unpacked")
         with np.load(path, allow_pickle=False) as archive:
             data = {key: np.asarray(archive[key]) for key in archive.files}
-    except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise WorldError(f"{path}: not a readable .npz ({str(error)[:120]})") from None
+    except (WorldError, OSError):
+        raise
+    except Exception as error:  # zipfile, zlib and numpy have a dozen types for broken archives
+        raise WorldError(f"{path}: not a readable .npz ({_first_line(error)})") from None
     if "coverage" not in data:
         raise WorldError(f"{path}: has no array coverage; it holds {', '.join(data)[:120] or 'nothing'}")
     values = _numbers(path, "coverage", data["coverage"], 2)
@@ -197,6 +200,10 @@ def _read_npz(path: Path, extent: float) -> _Raster:
     return _Raster(values[::-1], columns, ((np.arange(height) + 0.5) / height - 0.5) * tall, False)
 
 
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0][:120]
+
+
 def _numbers(path: Path, key: str, array: np.ndarray, dimensions: int) -> np.ndarray:
     if array.dtype.kind not in "fiub" or array.ndim != dimensions or 0 in array.shape:
         raise WorldError(
@@ -211,6 +218,8 @@ def _numbers(path: Path, key: str, array: np.ndarray, dimensions: int) -> np.nda
 
 def _axis(path: Path, key: str, array: np.ndarray, count: int) -> np.ndarray:
     values = _numbers(path, key, array, 1)
+    if np.abs(values).max() > _FARTHEST:
+        raise WorldError(f"{path}: {key} reaches {np.abs(values).max():g}; allowed is up to {_FARTHEST:g}")
     steps = np.diff(values)
     if len(values) != count or count < 2 or not ((steps > 0.0).all() or (steps < 0.0).all()):
         raise WorldError(
