@@ -13,9 +13,9 @@ Limits
     Within the map space is flat and the light parallel; the largest map reaches 48 km, beyond it land is as
     bright as on average at its border. Edges are as soft as a texel: in the finest map 6 km over its width,
     some 50 m, about what the sun's disc does 5 km below a cloud. Light lower than 2 degrees throws shadows as
-    from there. Mean and spread of heights describe one cloud on a ray, not several: under a sun lower than some
-    10 degrees the shade inside of clouds is only roughly right. Where clouds touch, their fields add up and
-    close the gap between them; here it stays open.
+    from there. Mean and spread of heights describe one cloud on a ray, not several: under a sun lower than
+    some 10 degrees the shade inside of clouds is only roughly right. Where clouds touch, their fields add up
+    and close the gap between them; here it stays open.
 
 Files
     ``model`` (where the maps lie), ``frame.wesl`` (the same for shaders), ``map.wesl`` and ``overhead.wesl``
