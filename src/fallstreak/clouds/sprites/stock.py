@@ -47,8 +47,8 @@ def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
     -------
     sprites : (n,) of `STOCK`
     first : (models, 4) uint32
-        Of each model: first sprite (the whole one), number of sprites of boxes, number of fine ones (they come
-        last), number of the few (they follow the first).
+        Of each model: first sprite (the whole one), number of sprites of boxes, number of fine ones (they
+        come last), number of the few (they follow the first).
     """
     rows: list[np.ndarray] = []
     first = np.zeros((len(packed.models), 4), np.uint32)
@@ -114,7 +114,7 @@ def _is_first(box: np.ndarray) -> np.ndarray:
     return np.append(True, box[1:] != box[:-1]) if len(box) else np.zeros(0, bool)
 
 
-def _whole(boxes: np.ndarray) -> np.void:
+def _whole(boxes: np.ndarray) -> np.ndarray:
     """One ellipsoid with the place and about the outline of all boxes: matter's mean and spread."""
     row = np.zeros((), STOCK)
     volume = boxes["half"].prod(1).astype(float)
@@ -131,4 +131,4 @@ def _whole(boxes: np.ndarray) -> np.void:
     row["half"] = SWELL * np.sqrt(5.0 * spread)
     row["widening"], row["turn"], row["density"] = SWELL, (1.0, 0.0), weight @ boxes["density"]
     row["level"], row["share"], row["look"] = WHOLE, 0.0, NO_BOX << 24
-    return row[()]
+    return row
