@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from fallstreak.clouds.sprites.bake import write
 from fallstreak.clouds.sprites.textures import SHEET
+from fallstreak.output.atomic import replacing
 
 if __name__ == "__main__":
     SHEET.parent.mkdir(exist_ok=True)
-    print(f"{write(SHEET) / 1024:.0f} KiB in {SHEET.name}")
+    with replacing(SHEET) as beside:
+        size = write(beside)
+    print(f"{size / 1024:.0f} KiB in {SHEET.name}")

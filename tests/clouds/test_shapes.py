@@ -5,11 +5,23 @@ from __future__ import annotations
 import os
 import random
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fallstreak.clouds.shapes import MOST_BOXES, SWELL, TEXTURES, load, pack, parse, shipped
+from fallstreak.clouds.shapes import (
+    BOX,
+    GPU_SPRITE,
+    MODEL,
+    MOST_BOXES,
+    SWELL,
+    TEXTURES,
+    load,
+    pack,
+    parse,
+    shipped,
+)
 from fallstreak.clouds.shapes.files import DATA
 from fallstreak.world.errors import WorldError
 
@@ -41,6 +53,17 @@ def test_shipped_models_are_clouds(name):
     # a model's first sprite of a box is its whole ellipsoid, which far clouds are drawn with
     firsts = model.sprites[np.unique(model.sprites["box"], return_index=True)[1]]
     assert (firsts["size"] == 1.0).all()
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_models_stand_on_a_flat_base_and_hold_their_sprites(name):
+    (model,) = load([name])
+    assert model.boxes["centre"][:, 2].min() >= 0.0
+    centre = model.sprites["centre"].astype(float)
+    half = model.boxes["half"][model.sprites["box"]] * SWELL * model.sprites["size"][:, None]
+    assert centre[:, 2].min() >= 0.0
+    assert (np.hypot(centre[:, 0], centre[:, 1]) + half[:, :2].max(1)).max() <= model.reach
+    assert (centre[:, 2] + half[:, 2]).max() <= model.top
 
 
 def test_sprites_are_the_same_at_every_reading():
@@ -76,6 +99,23 @@ def test_packed_tables_point_at_boxes_and_sprites():
         mine = packed.sprites[sprite : sprite + sprites]
         assert np.array_equal(mine["word"][:, 0], box + model.sprites["box"])
         assert np.array_equal(mine["word"][:, 3], packed.boxes["group"][mine["word"][:, 0]])
+
+
+def test_packed_rows_are_whole_vectors_of_wgsl():
+    """A storage buffer's vec4f begins every 16 bytes, and a vec3f and a scalar share one."""
+    for dtype, size in ((BOX, 48), (MODEL, 32), (GPU_SPRITE, 32)):
+        assert dtype.itemsize == size
+        wide = [entry for entry in (dtype.fields or {}).values() if entry[0].itemsize >= 12]
+        assert all(entry[1] % 16 == 0 for entry in wide)
+
+
+def test_the_model_file_of_the_documentation_is_one():
+    page = (Path(__file__).parents[2] / "docs" / "clouds.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```\w*\n(# my-cloud.toml.*?)```", page, flags=re.DOTALL)
+    model = parse(text, "my-cloud.toml", "my-cloud")
+    assert model.title == "a bun with a hat" and len(model.boxes) == 3
+    apart = np.linalg.norm(model.sprites["centre"][:, None] - model.sprites["centre"], axis=-1)
+    assert (apart + 1e9 * np.eye(len(apart))).min() >= 40.0
 
 
 def test_paths_count_from_the_folder(tmp_path):

@@ -38,26 +38,38 @@ def bake(
 
 def _sheet(output: Path | None) -> int:
     """The textures into a file; without one, whether they are the package's own."""
+    from fallstreak.clouds.sprites.bake import write
+    from fallstreak.clouds.sprites.textures import SHEET
+    from fallstreak.output.atomic import replacing
+
+    if output is not None:
+        with replacing(output) as beside:
+            size = write(beside)
+        print(f"{output}: 16 textures, {size / 1024:.0f} KiB")
+        return 0
+    new = _baked()
+    told = f"{SHEET.name}: 16 textures, {len(new) / 1024:.0f} KiB"
+    if SHEET.is_file() and new == SHEET.read_bytes():
+        print(f"{told}, byte for byte the package's own")
+        return 0
+    if not os.access(SHEET.parent, os.W_OK):
+        raise UsageError(f"{SHEET} differs and cannot be written: give a file of your own by -o")
+    with replacing(SHEET) as beside:
+        beside.write_bytes(new)
+    print(f"{told}, written anew")
+    return 0
+
+
+def _baked() -> bytes:
+    """The sheet's file."""
     import tempfile
 
     from fallstreak.clouds.sprites.bake import write
-    from fallstreak.clouds.sprites.textures import SHEET
 
-    if output is not None:
-        print(f"{output}: 16 textures, {write(output) / 1024:.0f} KiB")
-        return 0
     with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder) / SHEET.name
+        made = Path(folder) / "textures.png"
         write(made)
-        new = made.read_bytes()
-    if new == SHEET.read_bytes():
-        print(f"{SHEET.name}: 16 textures, {len(new) / 1024:.0f} KiB, byte for byte the package's own")
-        return 0
-    if not os.access(SHEET, os.W_OK):
-        raise UsageError(f"{SHEET} differs and cannot be written: give a file of your own by -o")
-    SHEET.write_bytes(new)
-    print(f"{SHEET.name}: 16 textures, {len(new) / 1024:.0f} KiB, written anew")
-    return 0
+        return made.read_bytes()
 
 
 def _models(names: tuple[str, ...], output: Path | None) -> int:

@@ -80,7 +80,7 @@ def write(path: Path) -> int:
     """Bake the sheet into a PNG; the same Pillow and numpy write the same bytes. Returns how many."""
     from PIL import Image
 
-    Image.fromarray(together(bake())).save(path, optimize=True)
+    Image.fromarray(together(bake())).save(path, "PNG", optimize=True)
     return path.stat().st_size
 
 
