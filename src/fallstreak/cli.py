@@ -81,7 +81,9 @@ _later(
     -o tile.png --period 8 --octaves 5   (copies fit together)
     -o far.png --at 1e7,0,0.5   (ten million cells from the origin)""",
 )
-clouds = App(name="clouds", help="Bake the textures of cloud sprites, look at cloud models.")
+clouds = App(
+    name="clouds", help="Bake the textures of cloud sprites, look at cloud models.", help_epilogue=""
+)
 clouds.command(
     "fallstreak.commands.clouds:bake",
     name="bake",
