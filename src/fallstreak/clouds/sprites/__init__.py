@@ -1,4 +1,26 @@
-"""Clouds of sprites, with a ring of pictures for the far ones."""
+"""Clouds of sprites, with a ring of pictures for the far ones.
+
+Source
+    Wang 2004, "Realistic and Fast Cloud Rendering" (Flight Simulator 2004).
+
+How
+    A sprite is an ellipsoid of the cloud model: a box's own, or a smaller one under its surface (`stock`). It
+    is drawn as the ellipse that it is on the screen, in a square about it that faces the camera. Each pixel's
+    ray meets the ellipsoid exactly; the field's noise, looked up where it does, and a texture eat at it and
+    bend its normal; opacity is that of the matter that is left on the ray, so that what is drawn agrees with
+    the field, from inside a cloud, too. Noise lies in the world: nothing of it turns with the camera. Where a
+    sprite lies in other matter of its cloud its outline is soft, before the sky it is as sharp as the field's.
+    Light comes from ``clouds/light.wesl``: optical depths through all boxes of the cloud from five places on
+    the sprite's front, between which light changes with the normal.
+    Passes, as many for any number of clouds: ``select`` (clouds in sight), ``budget`` (how far there is room
+    for all their sprites), ``expand`` (sprites as fine as their size on the screen asks for, those that the
+    cloud itself hides left out; their light), ``clouds/order``, one indirect draw (two where the ring lies
+    between). Far clouds are a few sprites, or one, by the same code.
+
+Limits
+    At most 32,768 sprites; beyond that, far clouds are one sprite each. Overlapping sprites are blended one
+    over the other by their middles' distance: where they change places there is a slight step.
+"""
 
 from .passes import Sprites
 

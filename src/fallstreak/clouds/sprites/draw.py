@@ -1,4 +1,4 @@
-"""The passes that choose, light, order and draw sprites, seen from the camera or from the middle of the ring."""
+"""The passes that choose, light, order and draw sprites, from the camera or the middle of the ring."""
 
 from __future__ import annotations
 

@@ -76,8 +76,8 @@ class Sprites:
         Returns
         -------
         dict
-            clouds, sprites: drawn one by one; ring_clouds, ring_sprites: of the picture of the ring that was drawn
-            last; ring_side: 1 if that was in this frame.
+            clouds, sprites: drawn one by one; ring_clouds, ring_sprites: in the picture of the ring that was
+            drawn last; ring_side: 1 if that was in this frame.
         """
         found = {}
         for name, word in (("clouds.sprites", ""), ("clouds.ring", "ring_"))[: 1 + (self.ring is not None)]:

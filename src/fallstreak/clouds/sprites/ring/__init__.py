@@ -1,18 +1,25 @@
 """The ring: eight pictures of far clouds about the camera, in place of the clouds.
 
 Source
-    Wang 2004, "Realistic and Fast Cloud Rendering" (Flight Simulator 2004): an octagon, eight pictures of 256²
-    texels, blocks of 16 km² beyond a radius that the user sets, one picture a frame over eight frames.
+    Wang 2004, "Realistic and Fast Cloud Rendering" (Flight Simulator 2004): an octagon, eight pictures of
+    256² texels, blocks of 16 km² beyond a radius that the user sets, one picture a frame over eight frames.
 
 How
-    `plan` decides on the CPU, once a frame: which picture is drawn now, how far the ring that comes in has come
-    in. A picture is drawn with the same passes as the sprites in sight, from the ring's middle, and kept as four
-    bytes a texel (`keep.wesl`). `show.wesl` draws the octagon behind the sprites near by. Its sides stand at
-    twice the radius: to a camera that has left the middle, clouds at the radius then seem as much too far as
-    those at the horizon seem too near.
-    Until the first ring is complete, and after a cut, all clouds are drawn one by one.
+    `plan` decides on the CPU, once a frame: which picture is drawn now, how far the ring that comes in has
+    come in. A picture is drawn with the same passes as the sprites in sight, from the ring's middle, and kept
+    as four bytes a texel (``keep.wesl``). ``show.wesl`` draws the octagon behind the sprites near by. Its
+    sides stand upright at twice the radius: to a camera that has left the middle, clouds at the radius then
+    seem as much too far as those at the horizon seem too near, and all shift with the angle to them.
+    Until the first ring is complete, and after a cut, all clouds are drawn one by one. A block is one of the
+    drifting lattice, so that a cloud does not change sides while a ring is in sight; while one comes in, a
+    cloud may be in both, in one, or in none, and is drawn as much as the rings do not show it.
+    On weak machines (``ring_update = "block"``) a frame draws blocks of an eighth of the distances of a side,
+    far ones first; a ring then takes 64 frames.
+
+Cost
+    4 MB for the pictures of two rings, 1 MB for the parts of one that is drawn.
 
 Limits
-    Pictures have 5.7 texels a degree. Layers more than 3,048 m above or below the camera, and clouds higher than
-    the pictures, are drawn one by one. With ``colours = "artist"`` there is no ring.
+    Pictures have 5.7 texels a degree. Layers more than 3,048 m above or below the camera, and clouds higher
+    than the pictures, are drawn one by one. With ``colours = "artist"`` there is no ring.
 """

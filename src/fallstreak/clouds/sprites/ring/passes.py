@@ -59,7 +59,7 @@ class Ring:
         self._scope = graph.uniform("clouds.ring.scope", SPRITE_SCOPE)
         self._kept = graph.uniform("clouds.ring.kept", RING_KEPT)
         graph.texture("clouds.ring.drawn", "rgba16float", (TEXELS, TEXELS), persistent=True)
-        graph.texture("clouds.ring.parts", "rgba16float", (TEXELS, TEXELS), persistent=True)
+        graph.buffer("clouds.ring.parts", 16 * TEXELS**2, persistent=True)
         graph.texture(
             "clouds.ring.pictures", "rgba8unorm", (TEXELS, TEXELS, 2 * SIDES), dimension="2d-array",
             persistent=True,
@@ -72,6 +72,7 @@ class Ring:
                 "drawn": "clouds.ring.drawn",
                 "pictures": "clouds.ring.pictures",
                 "kept": "clouds.ring.kept",
+                "parts": "clouds.ring.parts",
             },
             groups=(TEXELS // 8, TEXELS // 8, 1),
             structs=[RING_KEPT],
@@ -121,7 +122,7 @@ class Ring:
         # seen from the ring's middle, where its first picture was drawn
         self._scope.set(shift=place - ring.place, slices=self._parts[plan.step], behind=1e9, **told)
         self._kept.set(layer=SIDES * ring.set + plan.side, more=plan.step > 0)
-        axes = local_axes(*ring.place, radius)
+        axes = local_axes(float(ring.place[0]), float(ring.place[1]), radius)
         angle = 2.0 * np.pi * plan.side / SIDES
         ahead = np.sin(angle) * axes[:, 0] + np.cos(angle) * axes[:, 1]
         right = np.cos(angle) * axes[:, 0] - np.sin(angle) * axes[:, 1]
@@ -139,7 +140,7 @@ class Ring:
         if ring is None:
             axes, ring, weight = np.eye(3), Made(state.camera.position, place, 0.0, np.zeros(3), 0.0, 0), 0.0
         else:
-            axes = local_axes(*ring.place, state.planet_radius)
+            axes = local_axes(float(ring.place[0]), float(ring.place[1]), state.planet_radius)
             for i, layer in enumerate(self._clouds.field.field.layers):
                 middle = ring.place - self._winds[i] * ring.time
                 corner = BLOCK * np.floor(middle / BLOCK)

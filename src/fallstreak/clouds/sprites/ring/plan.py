@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from math import ceil
 
@@ -133,4 +134,4 @@ def slices(radius: float, farthest: float, steps: int) -> list[tuple[float, floa
         return [(0.0, 1e9)]
     edges = np.geomspace(radius, max(farthest, 1.5 * radius), ceil(steps) + 1)
     edges[0], edges[-1] = 0.0, 1e9
-    return [(float(a), float(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)][::-1]
+    return [(float(a), float(b)) for a, b in itertools.pairwise(edges)][::-1]
