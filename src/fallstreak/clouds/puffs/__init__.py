@@ -18,6 +18,11 @@ Source
     X-Plane 10 (A. Meyer and others), as told by Young: seven resolutions of puffs, each in a 3 × 3 × 3 grid
     of buckets about the camera of which only those in view are drawn.
 
+Cost
+    As many puffs are drawn wherever the camera is (`Quality.cloud_puffs`, within some 20 %; 30,000 at most).
+    On 4 cores of a software adapter, `hundred_miles` at 640 × 360 and low: 5 ms for the cells, 25 for light,
+    27 for the drawing of 6,000.
+
 Limits
     What is finer than a puff is noise, not the field's own. Beyond the map of the clouds' shadows, light
     within a layer is taken from that layer alone.
