@@ -34,6 +34,7 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], str]] = {
         "low",
     ),
     "puffs": ("hundred_miles", {}, "low"),
+    "spheres": ("canyon_glider", {}, "low"),
     "sprites": ("towering", {"clouds.technique": "sprites", "clouds.colours": "artist"}, "low"),
 }
 

@@ -60,7 +60,9 @@ def blended(shadow: np.ndarray, full: np.ndarray, share: np.ndarray) -> np.ndarr
     through = (np.abs(turn) > np.pi / 2) & (green * turn > 0.0) & (np.abs(green) < np.abs(turn))
     turn = np.where(through, turn - 2.0 * np.pi * np.sign(turn), turn)
     chroma = dark[..., 1] + part * (bright[..., 1] - dark[..., 1])
-    mixed = np.maximum(from_oklch(np.stack([own, chroma, dark[..., 2] + part * turn], -1)), 0.0)
+    # what has little colour has little to say of the hue
+    around = turn * part * bright[..., 1] / np.maximum(chroma, 1e-6)
+    mixed = np.maximum(from_oklch(np.stack([own, chroma, dark[..., 2] + around], -1)), 0.0)
     mixed *= ((plain @ _REC709) / np.maximum(mixed @ _REC709, 1e-12))[..., None]
     return plain + KEPT * (mixed - plain)
 

@@ -30,10 +30,10 @@ SPHERE = np.dtype(
         ("phase", "<f4"),
     ]
 )
-"""64 bytes, in the model's metres. `centre` of its box, whose axes are turned by `cosine`, `sine`; `offset` from
-there and half `axes`, along the box's axes; `swell`, `spread`: growth of the horizontal axes and of the offset
-with a cloud's swell; `shear` along x per z; `phase` radians of its morphing, negative: a box that keeps its
-shape."""
+"""64 bytes, in the model's metres. `centre` of its box, whose axes are turned by `cosine`, `sine`; `offset`
+from there and half `axes`, along the box's axes; `swell`, `spread`: growth of the horizontal axes and of the
+offset with a cloud's swell; `shear` along x per z; `phase` radians of its morphing, negative: a box that
+keeps its shape."""
 
 
 def group(model: CloudModel, seed: int = 0) -> np.ndarray:

@@ -10,7 +10,7 @@ from ...gpu import VIEW, FrameGraph, Struct
 from ..frame import CLOUD_FRAME
 from ..shadow import CLOUD_SHADOW
 from .atlas import TILE, sections
-from .groups import MOST, group
+from .groups import group
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -109,7 +109,8 @@ class Spheres:
             **{
                 key: name + key
                 for key in (
-                    "counts", "seen", "keys", "order", "wishes", "items", "tiles", "posed", "sections", "homes",
+                    "counts", "seen", "keys", "order", "wishes", "items", "tiles", "posed", "sections",
+                    "homes",
                 )
             },
             **clouds.field.bind,
@@ -166,7 +167,7 @@ class Spheres:
         )
 
     def counts(self) -> dict[str, int]:
-        """What the last frame did: clouds near and in sight, sections and tiles drawn anew; waits for the GPU."""
+        """Of the last frame: clouds near and in sight, sections and tiles drawn anew; waits for the GPU."""
         near, seen, *_ = self._read("counts")
         return {
             "near": min(near, MOST_NEAR),
