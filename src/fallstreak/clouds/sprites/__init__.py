@@ -7,7 +7,7 @@ How
     A sprite is an ellipsoid of the cloud model: a box's own, or a smaller one under its surface (`stock`). It
     is drawn as the ellipse that it is on the screen, in a square about it that faces the camera. Each pixel's
     ray meets the ellipsoid exactly; the field's noise, looked up where it does, and a texture eat at it and
-    bend its normal; opacity is that of the matter that is left on the ray, so that what is drawn agrees with
+    bend its normal; opacity is that of the matter left on the ray, so that what is drawn agrees with
     the field, from inside a cloud, too. Noise lies in the world: nothing of it turns with the camera. Where a
     sprite lies in other matter of its cloud its outline is soft, before the sky it is as sharp as the field's.
     Light comes from ``clouds/light.wesl``: optical depths through all boxes of the cloud from five places on
