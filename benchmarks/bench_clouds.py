@@ -1,0 +1,259 @@
+"""Clouds: what the techniques cost and how well they keep to the field, beside the goals of each."""
+
+import time
+from statistics import median
+
+import numpy as np
+
+import fallstreak as fs
+
+TECHNIQUES = ("sprites", "puffs", "spheres")
+SMALL = (320, 180)
+
+
+def run(report):
+    _cost(report)
+    _ring(report)
+    _flight(report)
+    _puffs(report)
+    _glider(report)
+    _agreement(report)
+    _many(report)
+
+
+def _frames(world, *, size, quality="low", warm=6, count=12, apart=False, fps=30.0):
+    """Seconds of each of `count` frames, the last statistics and counters of the technique."""
+    with fs.Renderer(world, size=size, quality=quality, fps=fps) as renderer:
+        renderer.pass_times = apart
+        for index in range(warm):
+            renderer.render(index)
+        walls, stats = [], []
+        for index in range(warm, warm + count):
+            start = time.perf_counter()
+            renderer.render(index)
+            walls.append(time.perf_counter() - start)
+            stats.append(renderer.stats())
+        counts = renderer.pipeline.clouds.technique.counts() if world.clouds.layers else {}
+    return walls, stats, counts
+
+
+def _spent(stats, prefix="clouds."):
+    """Median over frames of the GPU's ms in passes whose name begins so."""
+    return median(sum(p["gpu_ms"] or 0.0 for p in s["passes"] if p["name"].startswith(prefix)) for s in stats)
+
+
+def _cost(report):
+    """The same sky in each technique: whole frame, the clouds' passes, Python, memory."""
+    rows = []
+    for scene in ("towering", "overcast"):
+        for technique in TECHNIQUES:
+            world = fs.load(scene, [f"clouds.technique={technique}"])
+            walls, _, counts = _frames(world, size=(640, 360))
+            _, apart, _ = _frames(world, size=(640, 360), apart=True)
+            bare = fs.load(scene, ["clouds.layers=[]"])
+            without, _, _ = _frames(bare, size=(640, 360))
+            gpu = _spent(apart) + _spent(apart, "frame.clouds")
+            rows.append((f"{scene}, {technique}", 1e3 * median(walls), 1e3 * median(without), gpu))
+            report.note(f"{scene}, {technique}: {counts}")
+    report.table(
+        "640x360 low, ms (median of 12)",
+        ("scene, technique", "frame", "without clouds", "clouds' passes"),
+        rows,
+    )
+
+
+def _ring(report):
+    """Sprites: the same sky with the ring and without it."""
+    for coverage in (0.25, 0.5, 1.0):
+        world = fs.load("overcast", ["clouds.technique=sprites"])
+        layers = [
+            {**layer.model_dump(exclude_defaults=True), "oktas": 8 * coverage}
+            for layer in world.clouds.layers
+        ]
+        world = world.updated({"clouds.layers": layers})
+        times = {}
+        for ring in (True, False):
+            walls, _, _ = _frames(world.updated({"clouds.sprites.ring": ring}), size=(1280, 720), count=8)
+            times[ring] = median(walls)
+        report.add(
+            f"frame time without the ring over with it, coverage {coverage:g}",
+            times[False] / times[True],
+            "",
+            goal=">= 3" if coverage == 1.0 else None,
+            how="overcast, sprites, 1280x720 low, median of 8 frames, ratio in one run",
+        )
+    world = fs.load("overcast", ["clouds.technique=sprites"])
+    pictures = [
+        fs.render(world.updated({"clouds.sprites.ring": ring}), size=(1280, 720), quality="low").ldr.astype(
+            float
+        )
+        for ring in (True, False)
+    ]
+    report.add(
+        "mean difference of the pictures with and without the ring",
+        float(np.abs(pictures[0] - pictures[1]).mean()),
+        "of 255",
+        goal="<= 2",
+        how="overcast, sprites, 1280x720 low, 8-bit picture",
+    )
+
+
+def _flight(report):
+    """Sprites with the ring at 150 m/s: whether new rings stall a frame."""
+    world = fs.load("overcast", ["clouds.technique=sprites"])
+    way = [{"at": 0, "north": 0.0}, {"at": 10, "north": 1500.0}]
+    world = world.updated({"camera.height": 1200.0, "camera.above": "sea", "camera.keyframes": way})
+    walls, _, _ = _frames(world, size=(640, 360), warm=10, count=150, fps=15.0)
+    report.add(
+        "99th percentile over median of frame times at 150 m/s",
+        float(np.percentile(walls, 99) / median(walls)),
+        "",
+        goal="<= 1.5",
+        how="overcast, sprites with the ring, 640x360 low, 150 frames at 15 per second",
+    )
+
+
+def _puffs(report):
+    """Number of puffs, what buckets save, and the largest change of a tile on a flight and a climb."""
+    base = fs.load("hundred_miles", ["clouds.technique=puffs"])
+    drawn, saved = {}, []
+    views = {
+        "visibility 10 km": {"clouds.visibility": 1e4},
+        "visibility 40 km": {"clouds.visibility": 4e4},
+        "visibility 160 km": {},
+        "from 400 km up": {"camera.height": 4e5, "camera.pitch": -25.0},
+    }
+    for name, changes in views.items():
+        _, _, counts = _frames(base.updated(changes), size=SMALL, warm=3, count=1)
+        drawn[name] = counts["drawn"]
+        report.add(f"puffs drawn, {name}", counts["drawn"], "", goal="<= 30000", how="hundred_miles")
+    middle = (max(drawn.values()) + min(drawn.values())) / 2
+    report.add(
+        "puffs drawn: how far the extremes are from their middle",
+        100 * (max(drawn.values()) - middle) / middle,
+        "%",
+        goal="<= 20",
+        how="over the four views above",
+    )
+    for heading in range(0, 360, 45):
+        _, _, counts = _frames(base.updated({"camera.heading": float(heading)}), size=SMALL, warm=3, count=1)
+        saved.append(counts["buckets"] / max(counts["buckets_in_sight"], 1))
+    report.add(
+        "buckets over buckets in sight, mean over headings",
+        float(np.mean(saved)),
+        "",
+        goal=">= 2",
+        how="hundred_miles, eight headings",
+    )
+    ways = {
+        "60 frames at 150 m/s": {"camera.keyframes": [{"at": 0, "north": 0.0}, {"at": 2, "north": 300.0}]},
+        "240 frames from 2 to 400 km": {
+            "camera.keyframes": [
+                {"at": 8 * i / 48, "height": 2e3 * 200 ** (i / 48), "pitch": -7 - 23 * i / 48}
+                for i in range(49)
+            ]
+        },
+    }
+    for name, changes in ways.items():
+        worst = _largest_change(base.updated(changes), 60 if "60" in name else 240)
+        report.add(
+            f"puffs: largest change of an 8x8 tile, {name}", worst, "of 255", how="320x180 low, 30 per second"
+        )
+
+
+def _largest_change(world, count):
+    worst, before = 0.0, None
+    with fs.Renderer(world, size=SMALL, quality="low", fps=30) as renderer:
+        for index in range(count):
+            picture = renderer.render(index).ldr.astype(float).mean(2)
+            tiles = picture[: 8 * (SMALL[1] // 8)].reshape(SMALL[1] // 8, 8, SMALL[0] // 8, 8).mean((1, 3))
+            if before is not None:
+                worst = max(worst, float(np.abs(tiles - before).max()))
+            before = tiles
+    return worst
+
+
+def _glider(report):
+    world = fs.load("canyon_glider")
+    walls, _, _ = _frames(world, size=(640, 360))
+    _, apart, counts = _frames(world, size=(640, 360), apart=True)
+    how = "canyon_glider, 640x360 low, median of 12 frames"
+    report.add("frames per second of canyon_glider", 1 / median(walls), "1/s", goal=">= 30", how=how)
+    report.add(
+        "GPU time of its clouds",
+        _spent(apart) + _spent(apart, "frame.clouds"),
+        "ms",
+        how=f"{how}; passes one by one; {counts}",
+    )
+
+
+def _agreement(report):
+    """Where the field's optical depth is over 1, a technique should draw opacity over .6."""
+    base = fs.load("towering")
+    depth = None
+    for technique in TECHNIQUES:
+        world = base.updated({"clouds.technique": technique})
+        frame = fs.render(world, size=(160, 90), quality="high", samples=1, layers=("clouds", "depth"))
+        if depth is None:
+            depth = _optical_depth(world, (160, 90), frame.depth)
+        field, drawn = depth > 1.0, frame.clouds > 0.6
+        union = (field | drawn).sum()
+        report.add(
+            f"agreement of {technique} with the field",
+            float((field & drawn).sum() / union),
+            "",
+            goal=">= 0.7",
+            how="towering, 160x90: intersection over union of optical depth > 1 and opacity > .6",
+        )
+
+
+def _optical_depth(world, size, reach):
+    """Optical depth of the field along the middle of every pixel's ray, to what lies behind or 80 km."""
+    from fallstreak.world.state import map_coordinates
+
+    with fs.Renderer(world, size=size, quality="low", still=True) as renderer:
+        state = renderer.state(0)
+    width, height = size
+    t = np.tan(state.camera.fov / 2)
+    x = (2 * (np.arange(width) + 0.5) / width - 1) * t * width / height
+    y = (1 - 2 * (np.arange(height) + 0.5) / height) * t
+    rays = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -1.0), -1)
+    rays = rays / np.linalg.norm(rays, axis=-1, keepdims=True) @ state.camera.rotation.T
+    ends = state.camera.position + rays * np.minimum(reach, 80e3)[..., None]
+    radius = state.planet_radius
+
+    def on_map(place):
+        height_above = np.linalg.norm(place + np.array([0.0, 0.0, radius])) - radius
+        return (*map_coordinates(place, radius), height_above)
+
+    start = on_map(state.camera.position)
+    return world.clouds.optical_depth(start, np.array([[on_map(p) for p in row] for row in ends]))
+
+
+def _many(report):
+    """Few clouds and five thousand must cost Python the same."""
+    base = fs.load("hundred_miles")
+    for technique in TECHNIQUES:
+        calls, python, clouds = [], [], []
+        for coverage, size in ((0.02, 4.0), (0.5, 0.5)):
+            layer = {"genus": "cumulus_mediocris", "coverage": coverage, "size": size, "base": 650.0}
+            world = base.updated({"clouds.layers": [layer], "clouds.technique": technique})
+            _, stats, _ = _frames(world, size=SMALL, count=20)
+            calls.append(stats[-1]["calls"])
+            python.append(median(s["cpu_ms"] for s in stats))
+            clouds.append(_number(world))
+        how = f"{technique}: {clouds[0]:,} and {clouds[1]:,} clouds in reach, {SMALL[0]}x{SMALL[1]} low"
+        report.add(f"Python time per frame, {technique}", python[1], "ms", goal="<= 2", how=how)
+        report.add(
+            f"WebGPU calls that more clouds add, {technique}", calls[1] - calls[0], "", goal="== 0", how=how
+        )
+
+
+def _number(world):
+    """Clouds in the window about the camera, by the field's twin."""
+    from fallstreak.clouds.field import field_of
+
+    field, width = field_of(world), fs.QUALITY["low"].cloud_cells
+    columns = np.arange(width) - width // 2
+    cells = np.stack(np.meshgrid(columns, columns), -1).reshape(-1, 2)
+    return sum(int((field.clouds(i, cells, 0.0)["formation"] > 0.0).sum()) for i in range(len(field.layers)))
