@@ -33,6 +33,7 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], str]] = {
         {"terrain": {"source": "canyons", "file": ""}, "models": [{"file": "glider"}]},
         "low",
     ),
+    "ring": ("towering", {"clouds.technique": "sprites"}, "low"),
     "puffs": ("hundred_miles", {}, "low"),
     "spheres": ("canyon_glider", {}, "low"),
     "sprites": ("towering", {"clouds.technique": "sprites", "clouds.colours": "artist"}, "low"),
