@@ -27,3 +27,16 @@ def test_levels_come_in_order_and_cover_the_model():
             assert 0.6 < across / model.radius < 1.35
         bodies = own[own["level"] == BOX]
         assert np.isin(bodies["half"][:, 2].round(2), (SWELL * model.boxes["half"][:, 2]).round(2)).all()
+
+
+def test_more_density_is_more_small_sprites_round_the_same_boxes():
+    packed = pack(load(shipped()))
+    usual, first = stock(packed)
+    dense, first_of_dense = stock(packed, 2.5)
+    assert (first_of_dense[:, 2] == 3 * first[:, 2]).all()
+    assert (first_of_dense[:, [1, 3]] == first[:, [1, 3]]).all()
+    for at, more in zip(first, first_of_dense, strict=True):
+        own = usual[at[0] + 1 + at[3] + at[1] :][: at[2]]
+        added = dense[more[0] + 1 + more[3] + more[1] :][at[2] : more[2]]
+        np.testing.assert_array_equal(added["centre"][:, 2], np.tile(own["centre"][:, 2], 2))
+        assert (np.floor(added["share"]) == np.repeat([1, 2], len(own))).all()

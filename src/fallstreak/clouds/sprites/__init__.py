@@ -9,7 +9,7 @@ How
     ray meets the ellipsoid exactly; the field's noise, looked up where it does, and a texture eat at it and
     bend its normal; opacity is that of the matter left on the ray, so that what is drawn agrees with
     the field, from inside a cloud, too. Noise lies in the world: nothing of it turns with the camera. Where a
-    sprite lies in other matter of its cloud its outline is soft, before the sky it is as sharp as the field's.
+    sprite lies in other matter of its cloud its outline is soft, before the sky as sharp as the field's.
     Light comes from ``clouds/light.wesl``: optical depths through all boxes of the cloud from five places on
     the sprite's front, between which light changes with the normal.
     Passes, as many for any number of clouds: ``select`` (clouds in sight), ``budget`` (how far there is room

@@ -34,7 +34,7 @@ class Sprites:
     """
 
     def __init__(self, graph: FrameGraph, clouds: Clouds):
-        made, first = stock(clouds.field.field.packed)
+        made, first = stock(clouds.field.field.packed, float(clouds.world.clouds.sprites.density))
         graph.buffer_data("clouds.sprites.stock", made)
         graph.buffer_data("clouds.sprites.first", first)
         graph.texture_data("clouds.sprites.sheet", sheet(), "rgba8unorm", dimension="2d-array", mips=True)

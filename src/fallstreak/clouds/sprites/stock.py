@@ -6,6 +6,8 @@ those that stand for a box each, then the small ones that lie about under the bo
 
 from __future__ import annotations
 
+from math import ceil
+
 import numpy as np
 
 from ..shapes import SWELL
@@ -36,12 +38,14 @@ metre that the boxes of a cloud widen; `turn`: cosine and sine; `look`: texture,
 this one is drawn."""
 
 
-def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
+def stock(packed: Packed, density: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """Sprites of all models, by model and level, and where they begin.
 
     Parameters
     ----------
     packed : Packed
+    density : float
+        Of small sprites: so many times the model's own may be drawn.
 
     Returns
     -------
@@ -57,6 +61,8 @@ def stock(packed: Packed) -> tuple[np.ndarray, np.ndarray]:
         first_box, boxes, first_sprite, sprites = (int(v) for v in model["first"])
         own = packed.boxes[first_box : first_box + boxes]
         made = _of_model(own, packed.sprites[first_sprite : first_sprite + sprites], first_box)
+        copies = [_copy(made[made["level"] == FINE], own, k) for k in range(1, ceil(density))]
+        made = np.concatenate([made, *copies])
         entry[:] = at, *((made["level"] == level).sum() for level in (BOX, FINE, FEW))
         rows.append(made)
         at += len(made)
@@ -87,6 +93,22 @@ def _of_model(boxes: np.ndarray, sprites: np.ndarray, first_box: int) -> np.ndar
         weight = boxes["half"][within].prod(1)
         rest["middle"][groups == group] = np.average(boxes["centre"][within], axis=0, weights=weight)
     return out[np.argsort(_ORDER[out["level"]], kind="stable")]
+
+
+def _copy(fine: np.ndarray, boxes: np.ndarray, number: int) -> np.ndarray:
+    """Small sprites once more, `number` quarters of a turn further round their boxes."""
+    out = fine.copy()
+    box = boxes[fine["look"] >> 24]
+    c, s = box["cosine"], box["sine"]
+    x, y = (fine["centre"] - box["centre"])[:, :2].T
+    x, y = (c * x + s * y) / box["half"][:, 0], (c * y - s * x) / box["half"][:, 1]
+    for _ in range(number):
+        x, y = -y, x
+    x, y = x * box["half"][:, 0], y * box["half"][:, 1]
+    out["centre"][:, :2] = box["centre"][:, :2] + np.stack([c * x - s * y, s * x + c * y], -1)
+    out["look"] = (fine["look"] & ~np.uint32(0xFF00)) | ((((fine["look"] >> 8) + 64 * number) & 0xFF) << 8)
+    out["share"] += number
+    return out
 
 
 _ORDER = np.array([0, 2, 3, 1])  # in which levels come
