@@ -23,7 +23,7 @@ _LAB = np.array(
     ]
 )
 _REC709 = np.array([0.2126, 0.7152, 0.0722])
-KEPT = 0.4
+KEPT = 0.2
 """How far colours go from plain addition to that: all the way, evening clouds are violet."""
 _GREEN = 2.48  # radians: no cloud is
 
