@@ -90,7 +90,7 @@ def decode_albedo(packed: np.ndarray) -> np.ndarray:
 
 
 def decode_clouds(layer: np.ndarray | None, size: tuple[int, int]) -> np.ndarray:
-    """Opacity (H, W) from ``clouds.layer``, which may be coarser than the picture of `size` (width, height)."""
+    """Opacity (H, W) from ``clouds.layer``, which may be coarser than the picture of (width, height)."""
     width, height = size
     if layer is None:
         return np.zeros((height, width), np.float32)

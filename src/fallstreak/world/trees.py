@@ -78,12 +78,12 @@ def holds(tree: Any, path: tuple[str | int, ...]) -> bool:
     return at(tree, path, _NOTHING) is not _NOTHING
 
 
-def files_in(tree: Tree) -> list[tuple[Tree, str | int, str]]:
-    """Where the tree names files: (table or list, key, what a message calls it), for each a text or a list.
+def files_in(tree: Tree) -> list[tuple[Tree, str, str]]:
+    """Where the tree names files: (table, key, what a message calls it), for each a text or a list.
 
     What is no table or no name is left to the validation.
     """
-    found: list[tuple[Tree, str | int, str]] = []
+    found: list[tuple[Tree, str, str]] = []
     terrain = tree.get("terrain")
     if isinstance(terrain, dict) and "file" in terrain:
         found.append((terrain, "file", "terrain.file"))
