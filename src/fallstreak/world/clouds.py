@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, model_validator
 
 from . import queries
 from .errors import WorldError
@@ -140,7 +140,7 @@ class Clouds(Section):
     colours: Literal["physical", "artist"] = choice(
         "physical",
         doc="physical: lit by sun, moon, sky and ground. artist: in the colours that the cloud models name "
-        "for times of the day.",
+        "for times of the day (technique sprites alone, and without its ring).",
     )
     sprites: Sprites = table(Sprites, "For technique sprites.")
     puffs: Puffs = table(Puffs, "For technique puffs.")
@@ -148,6 +148,12 @@ class Clouds(Section):
     layers: tuple[CloudLayer, ...] = choice((), max_length=8, doc="One to eight layers; none: no clouds.")
 
     _world: World | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _artists_painted_sprites(self) -> Self:
+        if self.colours == "artist" and self.technique != "sprites":
+            raise ValueError(f'colours is "artist", but technique "{self.technique}" has no colours of artists')
+        return self
 
     def extinction(self, points: Any, time: Any = 0.0) -> Any:
         """Extinction coefficient of all clouds at places.
