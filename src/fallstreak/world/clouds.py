@@ -152,7 +152,9 @@ class Clouds(Section):
     @model_validator(mode="after")
     def _artists_painted_sprites(self) -> Self:
         if self.colours == "artist" and self.technique != "sprites":
-            raise ValueError(f'colours is "artist", but technique "{self.technique}" has no colours of artists')
+            raise ValueError(
+                f'colours is "artist", and only technique sprites has them, not {self.technique}'
+            )
         return self
 
     def extinction(self, points: Any, time: Any = 0.0) -> Any:
