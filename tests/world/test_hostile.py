@@ -49,7 +49,7 @@ BROKEN = {
     "number for a table": ("sky = 3\n", "line 1: sky = 3 is not allowed: it must be a table"),
     "array for a table": ("[[sky]]\nturbidity = 1\n", "sky = [a table] is not allowed"),
     "table for an array": ("[camera.keyframes]\nat = 1\n", "camera.keyframes = a table"),
-    "artist's puffs": ('[clouds]\ntechnique = "puffs"\ncolours = "artist"\n', "only technique sprites has them"),
+    "colours of puffs": ('[clouds]\ntechnique = "puffs"\ncolours = "artist"\n', "only technique sprites"),
     "unknown table": ("[fog]\nx = 1\n", "fog is not known"),
     "unknown key": ("[sky]\nturbidty = 4\n", "line 2: sky.turbidty is not known; did you mean sky.turb"),
     "key in the wrong table": ("turbidity = 4\n", "did you mean sky.turbidity?"),
