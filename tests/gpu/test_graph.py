@@ -124,6 +124,35 @@ def test_what_lasts_is_made_when_it_is_first_read(device):
     assert ran[2:] == ["first", "second", "reader", "always", "reader", "always"]
 
 
+def test_something_may_be_made_ahead_of_the_frame(device):
+    graph, ran = FrameGraph(device), []
+    graph.buffer("part", 16)
+    graph.buffer("kept", 16, persistent=True)
+    graph.buffer("result", 16)
+
+    def add(name, reads, writes, when=None):
+        graph.add_pass(name, reads=reads, writes=writes, record=lambda _: ran.append(name), when=when)
+
+    add("part", [], ["part"])
+    add("never", ["part"], ["kept"], lambda: False)
+    add("keep", ["part"], ["kept"])
+    add("after", ["kept", "part"], ["result"])
+    graph.output("result")
+    graph.compile()
+    graph.make("kept")
+    assert ran == ["part", "keep"]
+    graph.execute()
+    assert ran[2:] == ["part", "keep", "after"]
+
+
+def test_making_ahead_leaves_histories_as_they_are(device):
+    graph = counter(device)
+    graph.execute()
+    graph.make("count")
+    graph.execute()
+    assert graph.read("count").max() == 2
+
+
 def test_equal_pipelines_are_made_once(monkeypatch):
     device, made = Device.open(), []
     make = device.native.create_compute_pipeline

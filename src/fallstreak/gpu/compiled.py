@@ -14,7 +14,7 @@ from .mips import MipMaker
 from .native import RenderDescriptor
 from .readback import Pending, Readback
 from .resources import BufferDecl, Physical, TextureDecl, view_of
-from .schedule import Ref, Schedule, alias, makers
+from .schedule import Ref, Schedule, alias, leading, makers
 from .steps import Step, Tape
 from .timing import Timing
 
@@ -54,6 +54,7 @@ class Compiled:
         # What lasts is made before it is read for the first time, whatever its pass says of that frame.
         self._unmade = makers(plan, graph.outputs, graph.mips, self._lasts)
         self._ran = [False] * len(plan.passes)
+        self._leading: dict[str, set[int]] = {}
 
     def _lasts(self, name: str) -> bool:
         decl = self.textures.get(name) or self.buffers.get(name)
@@ -183,16 +184,8 @@ class Compiled:
             calls = self._upload_uniforms()
             encoder = self.device.native.create_command_encoder(label="frame")
             parity = self._frame & 1
-            tape = Tape(encoder, apart)
             self._ran = self._chosen()
-            for step, runs in zip(self._steps, self._ran, strict=True):
-                if not runs:
-                    step.cpu_ms = 0.0
-                    continue
-                started = time.perf_counter()
-                step.record(tape, parity)
-                step.cpu_ms = (time.perf_counter() - started) * 1e3
-            tape.close()
+            tape = self._record(encoder, self._ran, parity, apart)
             self.timing.resolve(encoder)
             pending = {name: self._copy_of(name, parity) for name in read}
             copies = self._readback.record(encoder, pending.values())
@@ -208,12 +201,36 @@ class Compiled:
             uniform.changed = False
         return pending
 
-    def _chosen(self) -> list[bool]:
-        """Which passes run in this frame."""
-        runs = [when is None or bool(when()) for when in self._when]
+    def make(self, name: str) -> None:
+        """Run what leads to a resource, ahead of the next frame; see `FrameGraph.make`."""
+        if name not in self._leading:
+            self._leading[name] = leading(self.plan, name)
+        with translated(f"making {name}"):
+            self._upload_uniforms()
+            encoder = self.device.native.create_command_encoder(label=name)
+            self._record(encoder, self._chosen(self._leading[name]), self._frame & 1, False)
+            self.device.queue.submit([encoder.finish()])
+
+    def _record(self, encoder: Any, runs: list[bool], parity: int, apart: bool) -> Tape:
+        tape = Tape(encoder, apart)
+        for step, run in zip(self._steps, runs, strict=True):
+            if not run:
+                step.cpu_ms = 0.0
+                continue
+            started = time.perf_counter()
+            step.record(tape, parity)
+            step.cpu_ms = (time.perf_counter() - started) * 1e3
+        tape.close()
+        return tape
+
+    def _chosen(self, among: set[int] | None = None) -> list[bool]:
+        """Which passes run in this frame, of all or of those at these positions."""
+        whens = enumerate(self._when)
+        runs = [(among is None or i in among) and (when is None or bool(when())) for i, when in whens]
         # Readers come later, and may themselves have to run only because somebody reads them.
         for position, readers in reversed(self._unmade.items()):
-            runs[position] |= readers is None or any(runs[reader] for reader in readers)
+            if among is None or position in among:
+                runs[position] |= readers is None or any(runs[reader] for reader in readers)
         self._unmade = {p: readers for p, readers in self._unmade.items() if not runs[p]}
         return runs
 

@@ -328,6 +328,19 @@ class FrameGraph(Declarations):
         """
         return self.compiled.execute(read, apart=self.pass_times)
 
+    def make(self, name: str) -> None:
+        """Run what leads to a resource once more, ahead of the next frame and with the uniforms as they are.
+
+        For what a frame makes several of, one after the other by the same passes: all but the last are made
+        so, the last one by the frame itself.
+
+        Parameters
+        ----------
+        name : str
+            A persistent resource.
+        """
+        self.compiled.make(name)
+
     def upload(self, name: str, data: np.ndarray) -> None:
         """Overwrite the start of a `buffer_data`, from the next frame on."""
         self.compiled.upload(name, data)

@@ -190,6 +190,16 @@ def makers(
     return dict(sorted(found.items()))
 
 
+def leading(plan: Schedule, name: str) -> set[int]:
+    """Positions of the passes that lead to a resource within one frame."""
+    wanted, found = {name}, set()
+    for position, p in reversed(list(enumerate(plan.passes))):
+        if any(ref.name in wanted for ref in p.writes):
+            found.add(position)
+            wanted.update(ref.name for ref in p.reads if not ref.previous)
+    return found
+
+
 def alias(lifetimes: dict[str, tuple[int, int]], kind: Callable[[str], object]) -> dict[str, int]:
     """Assign transient resources to as few physical ones as their lifetimes allow.
 
