@@ -35,7 +35,7 @@ class Quality:
     cloud_puffs: int = 14000  # in sight, about
     cloud_atlas: int = 4096  # texels along a side of the atlas of sphere clouds
     # its sections, largest first: (texels along a side, how many)
-    cloud_sections: tuple[tuple[int, int], ...] = ((256, 64), (128, 192), (64, 1024), (16, 4096))
+    cloud_sections: tuple[tuple[int, int], ...] = ((512, 16), (192, 64), (64, 768), (16, 4096))
     cloud_tiles: float = 256.0  # of 16 x 16 texels, drawn anew in a frame
     cloud_near: int = 1  # texels of the clouds' picture to one of clouds about the camera, along a side
     # frame
@@ -80,7 +80,7 @@ QUALITY: dict[str, Quality] = {
         _HIGH,
         name="medium",
         cloud_atlas=2048,
-        cloud_sections=((256, 16), (128, 64), (64, 256), (16, 4096)),
+        cloud_sections=((256, 24), (128, 64), (64, 256), (16, 4096)),
         cloud_tiles=96.0,
         cloud_shadow=128,
         cloud_puffs=10000,

@@ -15,6 +15,10 @@ MOST = 48
 """Spheres of a model, but for models that have more boxes."""
 SUNK = 0.3
 """Depth of a bump's middle below the surface it sits on, over its radius."""
+OUTLINE = 1.08
+"""Farthest that a sphere's surface is from its middle, noise and all, over its half axis."""
+MORPHED = 1.1
+"""Largest size and way of a bump, over those in the table (``pose.wesl``)."""
 _TRIES = 96  # directions on each ellipsoid
 
 SPHERE = np.dtype(
@@ -47,6 +51,18 @@ def group(model: CloudModel, seed: int = 0) -> np.ndarray:
         return out
     bumps, places, sizes = _candidates(boxes, np.random.default_rng([seed, len(boxes)]))
     return np.concatenate([out, bumps[_spread(places, sizes, room)]])
+
+
+def filled(model: CloudModel, spheres: np.ndarray) -> np.ndarray:
+    """Radius and height that a model's spheres reach at most, over those beyond which its field is 0."""
+    c, s = spheres["cosine"], spheres["sine"]
+    way = spheres["offset"] * np.where(spheres["phase"] < 0.0, 1.0, MORPHED)[:, None]
+    size = OUTLINE * spheres["axes"] * np.where(spheres["phase"] < 0.0, 1.0, MORPHED)[:, None]
+    east = spheres["centre"][:, 0] + c * way[:, 0] - s * way[:, 1]
+    north = spheres["centre"][:, 1] + s * way[:, 0] + c * way[:, 1]
+    radius = float((np.hypot(east, north) + size[:, :2].max(1)).max())
+    height = float((spheres["centre"][:, 2] + way[:, 2] + size[:, 2]).max())
+    return np.array([radius / model.reach, height / model.top], np.float32)
 
 
 def _candidates(boxes: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from ...gpu import VIEW, FrameGraph, Struct
 from ..frame import CLOUD_FRAME
 from ..shadow import CLOUD_SHADOW
 from .atlas import TILE, sections
-from .groups import group
+from .groups import filled, group
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -71,6 +71,9 @@ class Spheres:
         ranges = np.stack([np.cumsum(counts) - counts, counts], 1).astype(np.uint32)
         graph.buffer_data("clouds.spheres.groups", ranges)
         graph.buffer_data("clouds.spheres.shapes", np.concatenate(groups))
+        graph.buffer_data(
+            "clouds.spheres.filled", np.stack([filled(m, g) for m, g in zip(models, groups, strict=True)])
+        )
         graph.buffer_data("clouds.spheres.table", table)
 
         name = "clouds.spheres."
@@ -89,6 +92,7 @@ class Spheres:
         graph.buffer(name + "homes", 4 * homes, persistent=True)
         graph.texture(name + "shape", "rgba8unorm", (width, height), persistent=True)
         graph.texture(name + "placed", "rgba16float", (width, height), persistent=True)
+        graph.buffer(name + "near_groups", 16, usage=("indirect",))
         near = tuple(-(-side // quality.cloud_near) for side in clouds.size)
         graph.texture(name + "near_shape", "rgba8unorm", (near[0], near[1]))
         graph.texture(name + "near_placed", "rgba16float", (near[0], near[1]))
@@ -99,6 +103,7 @@ class Spheres:
             "spheres": name + "frame",
             "groups": name + "groups",
             "shapes": name + "shapes",
+            "filled": name + "filled",
             "table": name + "table",
             "shape": name + "shape",
             "placed": name + "placed",
@@ -110,7 +115,7 @@ class Spheres:
                 key: name + key
                 for key in (
                     "counts", "seen", "keys", "order", "wishes", "items", "tiles", "posed", "sections",
-                    "homes",
+                    "homes", "near_groups",
                 )
             },
             **clouds.field.bind,
@@ -123,6 +128,7 @@ class Spheres:
                 "SECTIONS": len(table),
                 "ATLAS": (width, height),
                 "LAYER_SIZE": clouds.size,
+                "NEAR_GROUPS": (-(-near[0] // 8), -(-near[1] // 8)),
                 **clouds.field.constants,
             },
         }
@@ -148,7 +154,7 @@ class Spheres:
         compute("pose", name + "items")
         compute("trace", name + "tiles", **shadowed)
         screen = {"shape": name + "near_shape", "placed": name + "near_placed"}
-        compute("near", (-(-near[0] // 8), -(-near[1] // 8), 1), bind=screen, **shadowed)
+        compute("near", name + "near_groups", bind=screen, **shadowed)
         render("draw", indirect=name + "tiles", indirect_offset=_DRAW)
         render("near_draw", bind=screen)
         render("inside")
