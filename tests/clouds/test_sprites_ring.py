@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import itertools
+from math import atan2, hypot, radians
 
 import numpy as np
 import pytest
 
 import fallstreak as fs
-from fallstreak.clouds.sprites.ring.plan import FADE, SIDES, Plan, Ring, slices
+from fallstreak.clouds.sprites.ring.parts import SIDES, SLICES, at_once, by_block, by_side
+from fallstreak.clouds.sprites.ring.plan import FADE, PAUSE, Plan, Ring
+from fallstreak.clouds.sprites.scope import BLOCK
 
 RADIUS = 10e3
+FARTHEST = 100e3
+STEPS = by_side(RADIUS, FARTHEST)
 
 
 def seen(east=0.0, height=1000.0, time=0.0, sun=40.0):
@@ -20,27 +25,18 @@ def seen(east=0.0, height=1000.0, time=0.0, sun=40.0):
     return Ring(np.array([east, 0.0, height]), place, height, key, time, 0)
 
 
-def complete(wind=(0.0, 0.0), lifetime=np.inf, steps=1):
-    plan = Plan(RADIUS, np.array([wind]), lifetime, steps)
-    for _ in range(SIDES * steps + 1):
-        plan.update(seen())
-    assert plan.shown is not None
-    assert plan.next is None
+def standing(wind=(0.0, 0.0), lifetime=np.inf):
+    plan = Plan(RADIUS, np.array([wind]), lifetime, STEPS)
+    plan.update(seen(), fresh=True)
     return plan
 
 
-@pytest.mark.parametrize("steps", [1, 8])
-def test_every_part_of_every_side_is_drawn_once_one_a_frame(steps):
-    plan = Plan(RADIUS, np.zeros((1, 2)), np.inf, steps)
-    drawn = []
-    for _ in range(SIDES * steps):
-        plan.update(seen())
-        assert plan.shown is None
-        assert plan.weight == 0.0
-        drawn.append((plan.side, plan.step))
-    assert drawn == [(side, step) for side in range(SIDES) for step in range(steps)]
+def test_the_first_one_is_made_at_once_and_shown():
+    plan = standing()
+    assert [part.side for part in plan.parts] == list(range(SIDES))
+    assert plan.shown is plan.drawn
     plan.update(seen())
-    assert plan.side is None
+    assert plan.parts == ()
     assert plan.shown is not None
 
 
@@ -57,57 +53,101 @@ def test_every_part_of_every_side_is_drawn_once_one_a_frame(steps):
     ],
 )
 def test_thresholds(now, anew):
-    plan = complete()
+    plan = standing()
     plan.update(now)
-    assert (plan.side is not None) == anew
+    assert (plan.next is not None) == anew
+    assert len(plan.parts) == anew
 
 
 def test_clouds_that_drift_or_age_make_it_anew():
-    drifting, ageing = complete(wind=(30.0, 0.0)), complete(lifetime=1000.0)
+    drifting, ageing = standing(wind=(30.0, 0.0)), standing(lifetime=1000.0)
     drifting.update(seen(time=49.0))
     ageing.update(seen(time=29.0))
-    assert drifting.side is None
-    assert ageing.side is None
+    assert drifting.next is None
+    assert ageing.next is None
     drifting.update(seen(time=51.0))
     ageing.update(seen(time=31.0))
-    assert drifting.side == 0
-    assert ageing.side == 0
+    assert drifting.next is not None
+    assert ageing.next is not None
 
 
-def test_a_new_one_comes_in_slowly_and_takes_the_other_pictures():
-    plan = complete()
+def test_a_new_one_is_drawn_part_by_part_comes_in_slowly_and_takes_the_other_pictures():
+    plan = standing()
     first = plan.shown
-    weights = []
-    for _ in range(SIDES + FADE):
+    drawn, weights = [], []
+    for _ in range(len(STEPS) + FADE):
         plan.update(seen(east=2000.0))
+        drawn.extend(plan.parts)
         weights.append(plan.weight)
         if plan.next is not None:
             assert plan.shown is first
             assert plan.next.set != first.set
-    assert weights[:SIDES] == [0.0] * SIDES
-    rising = weights[SIDES:-1]
-    assert np.allclose(np.diff(rising), 1.0 / FADE)
+    assert drawn == [part for step in STEPS for part in step]
+    assert weights[: len(STEPS)] == [0.0] * len(STEPS)
+    assert np.allclose(np.diff(weights[len(STEPS) : -1]), 1.0 / FADE)
     assert plan.shown.position[0] == 2000.0
     assert plan.next is None
 
 
-def test_after_a_cut_there_is_none():
-    plan = complete()
-    plan.update(seen(east=6000.0))
-    assert plan.shown is None
-    assert plan.side == 0
-    plan = complete()
-    plan.update(seen(time=-1.0))
-    assert plan.shown is None
+@pytest.mark.parametrize("now", [seen(east=5e3), seen(height=1700.0), seen(time=-1.0)])
+def test_after_a_cut_another_is_made_at_once(now):
+    plan = standing()
+    for _ in range(PAUSE - 1):
+        plan.update(seen())
+    plan.update(now)
+    assert len(plan.parts) == SIDES
+    assert plan.shown.position is now.position
 
 
-def test_slices_cover_all_distances_far_first():
-    parts = slices(RADIUS, 160e3, 8)
-    assert len(parts) == 8
-    assert parts[-1][0] == 0.0
-    assert parts[0][1] == 1e9
-    assert all(near[1] == far[0] for far, near in itertools.pairwise(parts))
-    assert slices(RADIUS, 160e3, 1) == [(0.0, 1e9)]
+def test_who_travels_too_fast_has_none():
+    plan = standing()
+    made = 0
+    for frame in range(1, 2 * PAUSE):
+        plan.update(seen(height=1000.0 + 1000.0 * frame))
+        made += len(plan.parts)
+    assert made == SIDES
+
+
+def test_a_beginning_is_never_without():
+    plan = standing()
+    for frame in range(5):
+        plan.update(seen(east=7e3 * frame), fresh=True)
+        assert plan.shown.position[0] == 7e3 * frame
+
+
+def test_sides_are_drawn_far_first_and_whole():
+    assert len(STEPS) == SIDES * SLICES
+    for side in range(SIDES):
+        parts = [part for step in STEPS for part in step if part.side == side]
+        assert [part.first for part in parts] == [True, False, False]
+        assert parts[-1].distances[0] == 0.0
+        assert parts[0].distances[1] == np.inf
+        assert all(far.distances[0] == near.distances[1] for far, near in itertools.pairwise(parts))
+    assert len(at_once()) == SIDES
+
+
+def test_blocks_are_drawn_once_on_all_sides_they_are_on_and_what_hides_them_later():
+    steps = by_block(RADIUS, FARTHEST, 2000.0)
+    assert 40 <= len(steps) <= 100
+    squares = [step[0].square for step in steps]
+    assert all(part.square == square for step, square in zip(steps, squares, strict=True) for part in step)
+    begun = [part.side for step in steps for part in step if part.first]
+    assert sorted(begun) == list(range(SIDES))
+    assert min(east - west for west, _, east, _ in squares) == BLOCK
+    middles = (np.arange(-30, 30) + 0.5) * BLOCK
+    for x in middles:
+        for y in middles:
+            hits = [k for k, (w, s, e, n) in enumerate(squares) if w <= x < e and s <= y < n]
+            if not RADIUS < hypot(x, y) < FARTHEST:
+                assert len(hits) <= 1
+                continue
+            assert len(hits) == 1
+            side = round(atan2(x, y) / radians(45.0)) % SIDES
+            assert side in [part.side for part in steps[hits[0]]]
+            # on the way to it are only squares that come later
+            way = np.linspace(0.0, 1.0, 200)[:, None] * [x, y]
+            for k, (w, s, e, n) in enumerate(squares[: hits[0]]):
+                assert not ((way > [w, s]) & (way < [e, n])).all(-1).any(), k
 
 
 def sky(**changes):
@@ -131,13 +171,15 @@ def played(world, frames, size=(192, 108)):
 
 @pytest.mark.parametrize("update", ["side", "block"])
 def test_it_looks_like_the_sprites_it_stands_for(update):
-    frames = 12 if update == "side" else 67
-    ring, counts = played(sky(clouds__sprites__ring_update=update), frames)
-    direct, of_direct = played(sky(clouds__sprites__ring=False), 12)
+    """After one that was made at once, one that was made part by part: the camera goes past the threshold."""
+    way = [{"at": 0, "north": 0.0}, {"at": 0.1, "north": 1700.0}]
+    frames = 5 + (8 * SLICES if update == "side" else 80) + FADE
+    ring, counts = played(sky(clouds__sprites__ring_update=update, camera__keyframes=way), frames)
+    direct, of_direct = played(sky(clouds__sprites__ring=False, camera__keyframes=way), frames)
     difference = np.abs(ring.astype(float) - direct).mean()
     print(f"\nmean difference {difference:.2f}/255, clouds drawn {counts['clouds']} of {of_direct['clouds']}")
     assert counts["clouds"] < 0.3 * of_direct["clouds"]
-    assert counts["ring_side"] == 0
+    assert counts["ring_parts"] == 0
     assert difference <= 2.0
 
 
@@ -146,8 +188,18 @@ def test_frames_repeat():
     np.testing.assert_array_equal(first, second)
 
 
-def test_stills_are_drawn_without_it():
-    with_ring, without = (
-        fs.render(sky(clouds__sprites__ring=on), (96, 54), "low", samples=1).ldr for on in (True, False)
-    )
-    np.testing.assert_array_equal(with_ring, without)
+def test_stills_and_first_frames_show_it():
+    """Whether a frame stands alone, begins a sequence, or is far into it."""
+    still = fs.render(sky(), (96, 54), "low", samples=1).ldr.astype(float)
+    direct = fs.render(sky(clouds__sprites__ring=False), (96, 54), "low", samples=1).ldr.astype(float)
+    assert 0.0 < np.abs(still - direct).mean() <= 2.0
+    jumps = [{"at": t, "north": 2e3 * t, "height": 1500.0 + 800.0 * t} for t in range(4)]
+    with fs.Renderer(sky(camera__keyframes=jumps), (64, 36), "low", fps=1, still=True) as renderer:
+        for index in range(3):
+            renderer.render(index)
+            ring = renderer.pipeline.clouds.technique.ring.plan.shown
+            assert ring.place[1] == pytest.approx(2e3 * index)
+    with fs.Renderer(sky(), (64, 36), "low", fps=10) as renderer:
+        for index in (0, 50, 51, 7):
+            renderer.render(index)
+            assert renderer.pipeline.clouds.technique.ring.plan.shown is not None

@@ -43,11 +43,14 @@ class Clouds:
         Of ``clouds.layer``.
     key : (3,) float64
         In a frame, direction to the light that counts; `moonlit`: it is the moon.
+    fresh : bool
+        In a frame, whether it is the first of a sequence: what was drawn before has nothing to do with it.
     """
 
     def __init__(self, graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int]):
         self.graph, self.world, self.quality, self.picture = graph, world, quality, size
         self.any = bool(world.clouds.layers)
+        self.fresh = False
         if not self.any:
             return
         from .field import field_of
@@ -63,6 +66,10 @@ class Clouds:
         module = import_module(f".{world.clouds.technique}", __package__)
         self.technique = getattr(module, TECHNIQUES[world.clouds.technique])(graph, self)
 
+    def begin(self) -> None:
+        """Forget all history: the next frame is the first."""
+        self.fresh = True
+
     def update(self, state: FrameState) -> None:
         """Tell everybody of the frame to be rendered; after the sky's own `update`."""
         if not self.any:
@@ -76,3 +83,4 @@ class Clouds:
         if self.shadow is not None:
             self.shadow.update(state)
         self.technique.update(state)
+        self.fresh = False

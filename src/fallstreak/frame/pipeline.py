@@ -96,6 +96,7 @@ class Pipeline:
     def begin(self, state: FrameState) -> None:
         """Forget all history: the next frame is the first."""
         self.exposure.begin(self.sky.sun_elevation(state))
+        self.clouds.begin()
         self._fresh = True
 
     def update(self, state: FrameState, *, delta: float, instant: bool) -> None:

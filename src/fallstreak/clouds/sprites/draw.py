@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from ...gpu import VIEW, FrameGraph
@@ -25,7 +26,7 @@ def add_sprites(
     clouds: Clouds,
     name: str,
     *,
-    ring: str | None = None,
+    ring: tuple[str, ...] = (),
     artist: bool = False,
     when: Callable[[], bool] | None = None,
 ) -> None:
@@ -39,10 +40,10 @@ def add_sprites(
     name : str
         Of the passes and what they make. Uniforms ``<name>.scope`` and, for the ring, ``<name>.view`` and
         ``<name>.frame`` must be declared.
-    ring : str, optional
-        Texture to draw far clouds into; without it clouds near by are drawn into ``clouds.layer``.
+    ring : tuple of str, optional
+        Textures to draw far clouds into; without them clouds near by are drawn into ``clouds.layer``.
     artist : bool
-        Also the artists' colours, into ``clouds.colour``.
+        Also the artists' colours, into ``clouds.colour`` or the second of the ring's textures.
     when : callable, optional
         As of `FrameGraph.compute`.
     """
@@ -99,20 +100,23 @@ def add_sprites(
         )
 
     if artist:
-        graph.buffer(f"{name}.marks", MARK_BYTES * MOST)
+        graph.buffer(f"{name}.marks", MARK_BYTES * MOST, persistent=kept)
         common |= {"marks": f"{name}.marks", "paint": "clouds.sprites.paint"}
-    seen = {"RING": ring is not None}
+    targets = ring or ("clouds.layer", "clouds.colour")
+    seen = {"RING": bool(ring)}
     add("begin", (1, 1, 1), order=-1.0)
     add("select", (-(-cells // 64), 1, 1), seen)
     add("budget", (1, 1, 1))
     add("expand", own["work"], {"SHADOW": clouds.shadow is not None, "ARTIST": artist, **seen})
     order = add_order(graph, name, keys=own["keys"], count=own["draw"], word=5, capacity=MOST, when=when)
-    for step, flag, target, offset, rank in (
-        ("behind", False, ring or "clouds.layer", 32, -1.0),
-        ("draw", False, ring or "clouds.layer", 0, 0.0),
-        ("paint_behind", True, "clouds.colour", 32, -1.0),
-        ("paint", True, "clouds.colour", 0, 0.0),
-    )[: 4 if artist else 2]:
+    # nothing of a ring lies behind it
+    draws = (
+        (("draw", "paint", 0, 0.0),)
+        if ring
+        else (("behind", "paint_behind", 32, -1.0), ("draw", "paint", 0, 0.0))
+    )
+    for (light, colours, offset, rank), painted in product(draws, (False, True)[: 1 + artist]):
+        step, target = (colours, targets[1]) if painted else (light, targets[0])
         graph.render(
             f"{name}.{step}",
             "package::clouds::sprites::draw",
@@ -122,7 +126,7 @@ def add_sprites(
             indirect=own["draw"],
             indirect_offset=offset,
             index="clouds.sprites.corners",
-            flags={"ARTIST": flag, **seen},
+            flags={"ARTIST": painted, **seen},
             order=rank,
             **options,
         )

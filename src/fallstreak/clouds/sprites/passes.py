@@ -52,15 +52,13 @@ class Sprites:
             graph.texture("clouds.colour", "rgba16float", clouds.size)
             graph.buffer_data("clouds.sprites.paint", paint(self._models, 1.0, 0.0))
         self._scope = graph.uniform("clouds.sprites.scope", SPRITE_SCOPE)
-        self._scope.set(slices=(0.0, 1e9), behind=1e9)
-        with_ring = clouds.world.clouds.sprites.ring and not self._artist
-        self.ring = Ring(graph, clouds, self._scope) if with_ring else None
+        self._scope.set(behind=1e9)
+        with_ring = clouds.world.clouds.sprites.ring
+        self.ring = Ring(graph, clouds, self._scope, artist=self._artist) if with_ring else None
         add_sprites(graph, clouds, "clouds.sprites", artist=self._artist)
 
     def update(self, state: FrameState) -> None:
         """Tell the ring where the camera is, and the artists' colours the hour."""
-        if self.ring is not None:
-            self.ring.update(state)
         if self._artist:
             centre = state.camera.position + np.array([0.0, 0.0, state.planet_radius])
             axes = local_axes(
@@ -69,6 +67,8 @@ class Sprites:
             sun = self._graph.uniforms["sky.light"].record["sun_direction"].astype(np.float64)
             height = float(sun @ centre / np.linalg.norm(centre))
             self._graph.upload("clouds.sprites.paint", paint(self._models, height, float(sun @ axes[:, 0])))
+        if self.ring is not None:
+            self.ring.update(state)
 
     def counts(self) -> dict[str, int]:
         """What the last frame chose and drew; waits for the GPU.
@@ -77,14 +77,14 @@ class Sprites:
         -------
         dict
             clouds, sprites: drawn one by one; ring_clouds, ring_sprites: in the picture of the ring that was
-            drawn last; ring_side: 1 if that was in this frame.
+            drawn last; ring_parts: how many parts of it this frame drew.
         """
         found = {}
         for name, word in (("clouds.sprites", ""), ("clouds.ring", "ring_"))[: 1 + (self.ring is not None)]:
             found[f"{word}clouds"] = int(_words(self._graph.read(f"{name}.work"))[0])
             found[f"{word}sprites"] = int(_words(self._graph.read(f"{name}.draw"))[5])
         if self.ring is not None:
-            found["ring_side"] = int(self.ring.plan.side is not None)
+            found["ring_parts"] = len(self.ring.plan.parts)
         return found
 
 

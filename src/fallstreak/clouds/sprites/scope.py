@@ -26,9 +26,8 @@ RING_VIEW = Struct(
         (
             "layers",
             f"array<vec4f, {LAYERS}>",
-            "camera (x, y) and middle (z, w) from a block's corner, m, drifting",
+            "camera from the ring's middle, which drifts with the layer, m; 1: may be in the ring",
         ),
-        ("bounds", f"array<vec4f, {LAYERS}>", "1: the layer may be in the ring; nothing (y, z, w)"),
     ],
 )
 
@@ -36,7 +35,12 @@ SPRITE_SCOPE = Struct(
     "SpriteScope",
     [
         ("shift", "vec2f", "m, added to offsets on the map: from the camera to where clouds are seen from"),
-        ("slices", "vec2f", "m, distance of the blocks that are drawn now, nearest and farthest"),
+        (
+            "slices",
+            "vec2f",
+            "m, distance of the blocks that the ring is drawn of now, nearest and farthest",
+        ),
+        ("square", "vec4f", "m, in which they are: west, south, east, north border from the ring's middle"),
         ("behind", "f32", "m, sprites farther than that are drawn before the ring"),
         ("shown", RING_VIEW, "the ring in sight"),
         ("next", RING_VIEW, "the one that is being made, or comes in"),

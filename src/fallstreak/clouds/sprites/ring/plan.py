@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass
-from math import ceil
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-SIDES = 8
+from .parts import Step, at_once
+
 ACROSS, UPWARD = 0.15, 0.02
 """Of the radius: so far from the ring's middle a new one is begun."""
-SUN = np.cos(np.radians(1.0))
+LOST = 3.0
+"""So many times these, and a ring shows clouds too far from where they are to be shown at all."""
+SUN = np.radians(1.0)
 """So far the light may turn."""
 FADE = 12
 """Frames in which a new ring comes in."""
-CUT = 0.5
-"""Of the radius: who has gone so far in a frame has been put there."""
 AGE = 0.03
 """Of the clouds' lifetime, that a ring may be old."""
+PAUSE = 24
+"""Frames from one ring that was made at once to the next: who travels too fast for rings has none."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +48,11 @@ class Ring:
     height: float
     key: np.ndarray
     time: float
-    set: int
+    set: int = 0
 
 
 class Plan:
-    """The ring in sight, the one that is being made, and what is to be done in a frame.
+    """The ring in sight, the one that is being made, and what is to be drawn in a frame.
 
     Parameters
     ----------
@@ -60,78 +62,78 @@ class Plan:
         Of the layers, m/s.
     lifetime : float
         Shortest of the layers', s; infinite where clouds do not age.
-    steps : int
-        In how many parts a side is drawn, one a frame.
+    steps : sequence of tuples of Part
+        What is drawn of a ring in one frame, the next, ….
 
     Attributes
     ----------
     shown, next : Ring or None
     weight : float
         How much of `next` is to be seen, 0 to 1; the rest is `shown`.
-    side, step : int or None
-        What of `next` is drawn in this frame.
+    drawn : Ring or None
+        Of which parts are drawn in this frame,
+    parts : tuple of Part
+        and which.
     """
 
-    def __init__(self, radius: float, winds: np.ndarray, lifetime: float, steps: int = 1):
+    def __init__(self, radius: float, winds: np.ndarray, lifetime: float, steps: Sequence[Step]):
         self.radius, self.steps = radius, steps
         self._winds = np.asarray(winds, float).reshape(-1, 2)
         self._lifetime = lifetime
-        self._before: Ring | None = None
+        self._pause = 0
         self._forget()
 
     def _forget(self) -> None:
         self.shown: Ring | None = None
         self.next: Ring | None = None
+        self.drawn: Ring | None = None
+        self.parts: Step = ()
         self.weight = 0.0
-        self.side: int | None = None
-        self.step: int | None = None
         self._done = 0
 
-    def update(self, now: Ring) -> None:
-        """The next frame, with the camera, light and time of `now` (its `set` is of no account)."""
-        before, self._before = self._before, now
-        if before is not None and self._is_cut(before, now):
+    def update(self, now: Ring, *, fresh: bool = False) -> None:
+        """The next frame, with the camera, light and time of `now` (its `set` is of no account).
+
+        Parameters
+        ----------
+        fresh : bool
+            Whether it follows no other.
+        """
+        self._pause = 0 if fresh else max(self._pause - 1, 0)
+        self.drawn, self.parts = None, ()
+        if fresh or (self.shown is not None and self._gone(self.shown, now) > LOST):
             self._forget()
-        total = SIDES * self.steps
+        if self.shown is None:
+            if self._pause == 0:
+                self._pause = PAUSE
+                self.shown = self.drawn = replace(now, set=0)
+                self.parts = at_once()
+            return
         if self.next is None:
-            self.side = self.step = None
-            if self.shown is not None and not self._is_old(self.shown, now):
+            if self._gone(self.shown, now) <= 1.0:
                 return
-            free = 0 if self.shown is None else 1 - self.shown.set
-            self.next = Ring(now.position, now.place, now.height, now.key, now.time, free)
+            self.next = replace(now, set=1 - self.shown.set)
             self._done, self.weight = 0, 0.0
-        if self._done < total:
-            self.side, self.step = divmod(self._done, self.steps)
+        if self._done < len(self.steps):
+            self.drawn, self.parts = self.next, self.steps[self._done]
         else:
-            self.side = self.step = None
-            # the first one comes at once
-            frames = FADE if self.shown is not None else 1
-            self.weight = min((self._done - total + 1) / frames, 1.0)
+            self.weight = min((self._done - len(self.steps) + 1) / FADE, 1.0)
             if self.weight == 1.0:
                 self.shown, self.next, self.weight = self.next, None, 0.0
                 return
         self._done += 1
 
-    def _is_cut(self, before: Ring, now: Ring) -> bool:
-        gone = np.linalg.norm(now.position - before.position)
-        return bool(gone > CUT * self.radius or now.time < before.time or now.time - before.time > 60.0)
-
-    def _is_old(self, ring: Ring, now: Ring) -> bool:
+    def _gone(self, ring: Ring, now: Ring) -> float:
+        """How far what a ring shows has changed: from 1 on it is to be made anew."""
+        passed = now.time - ring.time
+        if passed < 0.0:
+            return np.inf
         # against the clouds, which drift
-        gone = now.place - ring.place - self._winds * (now.time - ring.time)
-        across = float(np.hypot(*gone.T).max(initial=0.0))
-        return bool(
-            across > ACROSS * self.radius
-            or abs(now.height - ring.height) > UPWARD * self.radius
-            or ring.key @ now.key < SUN
-            or now.time - ring.time > AGE * self._lifetime
+        across = now.place - ring.place - self._winds * passed
+        turned = np.arccos(np.clip(ring.key @ now.key, -1.0, 1.0))
+        return max(
+            float(np.hypot(*across.T).max(initial=0.0)) / (ACROSS * self.radius),
+            abs(now.height - ring.height) / (UPWARD * self.radius),
+            float(turned) / SUN,
+            passed / (AGE * self._lifetime),
         )
-
-
-def slices(radius: float, farthest: float, steps: int) -> list[tuple[float, float]]:
-    """Distances of the blocks in each part of a side, the farthest part first: equal factors, m."""
-    if steps == 1:
-        return [(0.0, 1e9)]
-    edges = np.geomspace(radius, max(farthest, 1.5 * radius), ceil(steps) + 1)
-    edges[0], edges[-1] = 0.0, 1e9
-    return [(float(a), float(b)) for a, b in itertools.pairwise(edges)][::-1]
