@@ -86,7 +86,7 @@ def develop(device, data, bits=8, **film):
     """A picture whose 1.0 is the sensor's saturation, through the film."""
     graph = new_graph(device)
     size = picture(graph, data, "frame.resolved")
-    film = Film(exposure="fixed", ev100=14.0, look="base", **film)
+    film = Film(exposure="fixed", ev100=14.0, look="base", **{"white_balance": 6504.0, **film})
     add_exposure_buffer(graph)
     exposure = Exposure(graph, film, size)
     ToneMap(graph, film, size, bits=bits)
@@ -101,12 +101,30 @@ def develop(device, data, bits=8, **film):
 @pytest.mark.parametrize("name", ["agx", "neutral", "none"])
 def test_the_whole_film(device, name):
     data = colours(128 * 72).reshape(72, 128, 3).astype(np.float16).astype(float)
-    expected = model.srgb_encode(model.TONE_MAPS[name](data))
+    expected = model.srgb_encode(model.TONE_MAPS[name](data @ model.white_balance(6504.0).T))
     got = develop(device, data, tone_map=name, dither=False, night_vision=False)
     assert np.abs(got / 255 - expected).max() < 0.6 / 255
     deep = develop(device, data, bits=16, tone_map=name, dither=False, night_vision=False)
     assert deep.dtype == np.uint16
     assert np.abs(deep / 65535 - expected).max() < 6e-4
+
+
+def test_white_balance(device):
+    # CIE 015: D50, D55, D75
+    daylight = {5000: (0.3457, 0.3585), 5500: (0.3324, 0.3474), 7504: (0.2990, 0.3149)}
+    for kelvin, (x, y) in daylight.items():
+        light = np.linalg.inv(model.RGB_TO_XYZ) @ (x / y, 1.0, (1 - x - y) / y)
+        seen = model.white_balance(kelvin) @ light
+        assert seen == pytest.approx(np.ones(3), abs=0.006)
+    assert model.white_balance(6504.0) == pytest.approx(np.eye(3), abs=0.002)
+    # the sun above the air is nearly daylight of 5900 K, and white on a camera's usual film
+    data = np.broadcast_to([0.30, 0.25, 0.22], (72, 128, 3))
+    for kelvin in (4000.0, 5500.0, 20000.0):
+        got = develop(
+            device, data, tone_map="none", dither=False, night_vision=False, white_balance=kelvin
+        ).mean((0, 1))
+        balanced = data[0, 0].astype(np.float16).astype(float) @ model.white_balance(kelvin).T
+        assert got / 255 == pytest.approx(model.srgb_encode(np.clip(balanced, 0, 1)), abs=1.2e-3 + 0.5 / 255)
 
 
 def test_noise_is_triangular_and_centred(device):

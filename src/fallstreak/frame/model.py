@@ -1,7 +1,7 @@
 """The frame's arithmetic on the CPU in float64: the twin that the shaders are tested against.
 
 Light meets surfaces (`ggx_specular`, `eon_diffuse`), a film meets light (`exposure_key`, `agx`, `neutral`,
-`srgb_encode`, `night_vision`), and a picture meets 8 bits (`triangular_noise`). Each function names its
+`srgb_encode`, `white_balance`, `night_vision`), and a picture meets 8 bits (`triangular_noise`). Each has its
 source. Arrays are numpy float64, colours have a last axis of 3 in linear Rec. 709, vectors are unit length.
 """
 
@@ -240,6 +240,27 @@ def srgb_encode(linear: ArrayLike) -> Array:
     """IEC 61966-2-1: display-linear 0..1 to the sRGB signal."""
     x = np.asarray(linear, float)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 0.0031308) ** (1 / 2.4) - 0.055)
+
+
+BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+"""From XYZ to the cones in which eyes adapt (Lam 1985)."""
+
+
+def white_balance(kelvin: float) -> Array:
+    """Matrix (3, 3) by which daylight of `kelvin`, 4000 to 25000, becomes white (1, 1, 1) of its luminance.
+
+    Chromaticity of daylight: CIE 015, equations 3.3 and 3.4; adaptation by Bradford's cones. Nothing changes
+    at 6504 K.
+    """
+    k = 1e3 / kelvin
+    cold = (0.237040, 0.24748, 1.9018, -2.0064)
+    a, b, c, d = (0.244063, 0.09911, 2.9678, -4.6070) if kelvin <= 7000 else cold
+    x = a + b * k + c * k**2 + d * k**3
+    y = -3.0 * x**2 + 2.870 * x - 0.275
+    light = BRADFORD @ (x / y, 1.0, (1 - x - y) / y)
+    white = BRADFORD @ RGB_TO_XYZ.sum(1)
+    adapt = np.linalg.inv(BRADFORD) @ np.diag(white / light) @ BRADFORD
+    return np.linalg.inv(RGB_TO_XYZ) @ adapt @ RGB_TO_XYZ
 
 
 TONE_MAPS = {"agx": agx, "neutral": neutral, "none": lambda c: np.clip(c, 0, 1)}

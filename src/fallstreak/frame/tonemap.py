@@ -1,4 +1,4 @@
-"""The film: night vision, exposure, tone map, sRGB, dither.
+"""The film: night vision, exposure, white balance, tone map, sRGB, dither.
 
     tone = ToneMap(graph, world.film, size, bits=8, bloom="frame.bloom")      # writes frame.ldr
 
@@ -25,6 +25,7 @@ FILM = Struct(
         ("dither", "f32", "amplitude of the triangular noise, one code value or 0"),
         ("power", "f32", "of AgX's look: contrast"),
         ("saturation", "f32", "of AgX's look"),
+        ("white", "mat3x3f", "makes daylight of the film's temperature white"),
     ],
 )
 
@@ -37,7 +38,7 @@ class ToneMap:
     graph : FrameGraph
         In which ``view``, ``picture``, ``frame.exposure`` and the bloom are declared.
     film : Film
-        The world's; its tone_map, look, bloom, dither and night_vision count.
+        The world's; all of it but the exposure counts.
     size : (int, int)
     bits : 8 or 16
         Per channel of ``frame.ldr``.
@@ -59,7 +60,13 @@ class ToneMap:
         self._uniform = graph.uniform("frame.film", FILM)
         power, saturation = model.AGX_LOOKS[film.look]
         dither = 1 / (2**bits - 1) if film.dither else 0.0
-        self._uniform.set(bloom=film.bloom, dither=dither, power=power, saturation=saturation)
+        self._uniform.set(
+            bloom=film.bloom,
+            dither=dither,
+            power=power,
+            saturation=saturation,
+            white=model.white_balance(film.white_balance),
+        )
         flags = {
             "AGX": film.tone_map == "agx",
             "NEUTRAL": film.tone_map == "neutral",

@@ -27,6 +27,13 @@ class Film(Section):
         le=10.0,
         doc="Brightens (positive) or darkens the picture, as on a camera.",
     )
+    white_balance: Number = quantity(
+        5500.0,
+        unit="K",
+        ge=4000.0,
+        le=25000.0,
+        doc="Which daylight is white: 5500 the sun and sky of a clear day; lower is bluer.",
+    )
     tone_map: Literal["agx", "neutral", "none"] = choice(
         "agx", doc="agx: filmic, Blender's; neutral: Khronos PBR neutral, keeps colours; none: clips."
     )
