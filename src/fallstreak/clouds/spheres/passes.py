@@ -8,6 +8,7 @@ import numpy as np
 
 from ...gpu import VIEW, FrameGraph, Struct
 from ..frame import CLOUD_FRAME
+from ..order import add_order
 from ..shadow import CLOUD_SHADOW
 from .atlas import TILE, sections
 from .groups import filled, group
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
 
 MOST_SEEN = 4096
 MOST_NEAR = 12
-_DRAW = 16  # bytes before the draw's arguments in section.wesl's Tiles
+MOST_ABOUT = 512
+MOST_CORES = 256
+_DRAW, _CORES = 16, 32  # bytes before the draws' arguments in section.wesl's Tiles
 
 SPHERES_FRAME = Struct(
     "SpheresFrame",
@@ -81,15 +84,17 @@ class Spheres:
         tiles = int(((table[:, 2] // TILE).astype(np.int64) ** 2).sum())
         homes = layers * clouds.field.window**2
         graph.buffer(name + "counts", 16, persistent=True)
-        graph.buffer(name + "seen", 64 * MOST_SEEN)
-        graph.buffer(name + "keys", 8 * MOST_SEEN)
-        graph.buffer(name + "order", 4 * MOST_SEEN)
+        graph.buffer(name + "seen", 64 * homes)
+        graph.buffer(name + "keys", 8 * homes)
+        graph.buffer(name + "about", 48 * MOST_ABOUT)
         graph.buffer(name + "wishes", 8 * MOST_SEEN)
         graph.buffer(name + "items", 16 + 48 * items, usage=("indirect",), persistent=True)
-        graph.buffer(name + "tiles", 32 + 4 * tiles, usage=("indirect",), persistent=True)
+        graph.buffer(name + "tiles", 48 + 4 * tiles, usage=("indirect",), persistent=True)
         graph.buffer(name + "posed", 48 * most * items)
         graph.buffer(name + "sections", 64 * len(table), persistent=True)
+        graph.buffer(name + "shown", 240 * MOST_SEEN)
         graph.buffer(name + "homes", 4 * homes, persistent=True)
+        graph.texture(name + "cores", "depth32float", clouds.size)
         graph.texture(name + "shape", "rgba8unorm", (width, height), persistent=True)
         graph.texture(name + "placed", "rgba16float", (width, height), persistent=True)
         graph.buffer(name + "near_groups", 16, usage=("indirect",))
@@ -114,8 +119,8 @@ class Spheres:
             **{
                 key: name + key
                 for key in (
-                    "counts", "seen", "keys", "order", "wishes", "items", "tiles", "posed", "sections",
-                    "homes", "near_groups",
+                    "counts", "seen", "keys", "about", "wishes", "items", "tiles", "posed", "sections",
+                    "homes", "near_groups", "shown", "cores",
                 )
             },
             **clouds.field.bind,
@@ -123,6 +128,7 @@ class Spheres:
         common: dict[str, Any] = {
             "structs": [VIEW, CLOUD_FRAME, CLOUD_SHADOW, SPHERES_FRAME, *clouds.field.structs],
             "constants": {
+                "MOST_CORES": MOST_CORES,
                 "MOST_SEEN": MOST_SEEN,
                 "MOST_SPHERES": most,
                 "SECTIONS": len(table),
@@ -142,20 +148,31 @@ class Spheres:
         def render(what: str, **options: Any) -> None:
             module = f"package::clouds::spheres::{what}"
             bind = shared | options.pop("bind", {})
-            graph.render(
-                name + what, module, color=["clouds.layer"], blend="over", bind=bind, **common, **options
-            )
+            onto = {"color": ["clouds.layer"], "blend": "over"}
+            graph.render(name + what, module, bind=bind, **common, **(onto | options))
 
         graph.clear(name + "counts")
         square = -(-clouds.field.window // 8)
         compute("gather", (square, square, layers))
-        compute("rank", (MOST_SEEN // 64, 1, 1))
+        order = add_order(
+            graph,
+            "clouds.spheres.by_distance",
+            keys=name + "keys",
+            count=name + "counts",
+            word=1,
+            capacity=homes,
+        )
+        shared["order"] = order
+        compute("nearest", (MOST_ABOUT // 64, 1, 1))
         compute("assign", (1, 1, 1))
         compute("pose", name + "items")
         compute("trace", name + "tiles", **shadowed)
         screen = {"shape": name + "near_shape", "placed": name + "near_placed"}
         compute("near", name + "near_groups", bind=screen, **shadowed)
-        render("draw", indirect=name + "tiles", indirect_offset=_DRAW)
+        compute("place", (MOST_SEEN // 64, 1, 1))
+        strip: dict[str, Any] = {"topology": "triangle-strip", "indirect": name + "tiles"}
+        render("cores", color=[], depth=name + "cores", blend=None, indirect_offset=_CORES, **strip)
+        render("draw", indirect_offset=_DRAW, **strip)
         render("near_draw", bind=screen)
         render("inside")
 
