@@ -41,6 +41,7 @@ PUFF = np.dtype(
         ("distance", "<f4"),
         ("radius", "<f4"),
         ("spare", "<f4", 3),
+        ("octaves", "<f4", 4),
     ]
 )
 

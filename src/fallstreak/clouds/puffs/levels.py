@@ -23,6 +23,12 @@ FADE = 0.3
 LEAST_DEPTH = 0.004
 """Optical depth of a puff that nobody sees: such sizes are left out, and the next reaches further in."""
 
+SHEETS = (3e3, 10e3)
+"""m, puffs that are large enough to hold sheets of clouds from wherever they are seen."""
+
+SHEET_DEPTHS = (2.0, 24.0)
+"""Optical depth of the patches in a sheet: of a single row of puffs."""
+
 FLAT_ROWS = 2
 """Of up to so many rows of cells one above the other, blocks are 8 × 8 × 1 cells, else 4 × 4 × 4."""
 
@@ -228,11 +234,17 @@ def grid_struct(count: int) -> Struct:
             ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
             ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; the noise's channel; its long axis"),
             ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height of puffs; how far rows vary"),
+            ("sheet", f"array<vec4f, {count}>", "a sheet from wherever, from above; its depth; jitter"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
             ("oblique", "mat3x3f", "axes of the noise"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
         ],
     )  # fmt: skip
+
+
+def _above(size: float, none: float, all_: float) -> float:
+    """0 up to a size, 1 from another on, evenly by the logarithm between."""
+    return float(np.clip(np.log(size / none) / np.log(all_ / none), 0.0, 1.0)) if none > 0.0 else 0.0
 
 
 OBLIQUE = np.array(
@@ -273,6 +285,7 @@ def grid_values(
         "noise": np.zeros((count, 4)),
         "look": np.zeros((count, 4)),
         "clip": np.zeros((count, 4)),
+        "sheet": np.zeros((count, 4)),
         "info": np.zeros((count, 4), np.uint32),
     }
     for i, grid in enumerate(found):
@@ -287,8 +300,11 @@ def grid_values(
         out["place"][i] = (*(place - cell * grid.cell), grid.cell, (grid.high - grid.low) / grid.rows)
         out["reach"][i] = grid.reach
         out["slab"][i] = (grid.low, grid.high, (floor(height / grid.bucket) - 1) * grid.bucket, grid.bucket)
-        tile = NOISE_TILE * grid.cell
+        # where puffs are as large as the spaces between clouds, noise shows clouds in patches, not fibres
+        large = _above(grid.cell, 6.0 * slab.body, 24.0 * slab.body)
+        tile = NOISE_TILE * grid.cell * (1.0 + 1.3 * large)
         along = np.asarray(slab.along)
+        along = along * (max(0.5 / np.hypot(*along), 1.0)) ** large
         across = np.array([-along[1], along[0]]) / np.hypot(*along)
         still = camera[:2] - drift
         at = OBLIQUE @ np.array([still @ along, still @ across, camera[2]]) / tile
@@ -300,6 +316,9 @@ def grid_values(
         spread = max(slab.soft, 0.2 * out["place"][i, 3])
         base = slab.low - (10.0 if lone else 0.5) * spread
         out["clip"][i] = (base, 1.0 / spread, 0.9 if lone else 1.0, 0.5 if lone else 1.0)
+        dense = float(np.clip(slab.extinction * out["place"][i, 3], *SHEET_DEPTHS))
+        sheet = (_above(grid.cell, *SHEETS), _above(grid.cell, 1e3, 3e3)) if lone else (0.0, 0.0)
+        out["sheet"][i] = (*sheet, dense, 0.5 if lone else 0.8)
         seed = (slab.seed + 0x9E3779B9 * (grid.level + 1)) & 0xFFFFFFFF
         out["info"][i] = (grid.layer, grid.rows, grid.blocks, seed)
     out["oblique"] = OBLIQUE

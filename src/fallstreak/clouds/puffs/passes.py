@@ -56,7 +56,6 @@ class Puffs:
             structs=clouds.field.structs,
             constants=clouds.field.constants,
             shadow=clouds.shadow is not None,
-            detail=clouds.quality.cloud_scale == 1,
         )
         self._visibility = float(clouds.world.clouds.visibility)
 
@@ -114,8 +113,6 @@ class PuffPasses:
         What that module needs.
     shadow : bool
         Whether there is a map of the clouds' shadows.
-    detail : bool
-        Whether puffs are frayed finely, too.
     everywhere : bool
         Also what is out of sight, to count what buckets save.
     """
@@ -132,7 +129,6 @@ class PuffPasses:
         structs: Any = (),
         constants: dict[str, Any] | None = None,
         shadow: bool = False,
-        detail: bool = False,
         everywhere: bool = False,
     ):
         self._graph = graph
@@ -164,7 +160,7 @@ class PuffPasses:
         graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",), persistent=True)
         graph.buffer("clouds.puffs.blocks", 16 * MOST_BLOCKS)
         graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",), persistent=True)
-        graph.buffer("clouds.puffs.puffs", 128 * MOST_DRAWN)
+        graph.buffer("clouds.puffs.puffs", 144 * MOST_DRAWN)
         graph.buffer("clouds.puffs.keys", 8 * MOST_DRAWN)
 
         def add(name: str, **options: Any) -> None:
@@ -231,7 +227,6 @@ class PuffPasses:
                 "scene": "gbuffer.depth",
             },
             indirect=counts["draw"],
-            flags={"DETAIL": detail},
             **common,
         )
 
