@@ -12,6 +12,7 @@ from fallstreak.clouds.field import field_of
 from fallstreak.clouds.field.passes import FieldPasses
 from fallstreak.clouds.shadow import CLOUD_SHADOW, ShadowMap
 from fallstreak.clouds.shadow.model import LOWEST, REACHES, local_key, shadow_values
+from fallstreak.clouds.shadow.schedule import MAPS, Schedule
 from fallstreak.gpu import FrameGraph, shader
 from fallstreak.world import World
 from fallstreak.world.state import CameraState, FrameState, position_on_planet
@@ -38,7 +39,7 @@ class Stage:
         passes = FieldPasses(graph, self.field, cast(Any, SimpleNamespace(cloud_cells=96)))
         quality = SimpleNamespace(cloud_shadow=texels)
         self.clouds: Any = SimpleNamespace(
-            graph=graph, quality=quality, field=passes, key=None, moonlit=False
+            graph=graph, quality=quality, field=passes, key=None, moonlit=False, fresh=True
         )
         self.shadow = ShadowMap(self.clouds)
         graph.buffer_data("places", np.zeros((PLACES, 4), np.float32))
@@ -156,7 +157,7 @@ def test_light_under_an_overcast_sky_is_what_passes_it(device):
     all_light = light.layer_passes(depth, sine).mean()
     middle = overhead[8:24, 8:24].mean((0, 1))
     assert middle[2] == pytest.approx(all_light, rel=0.25)
-    assert middle[0] == pytest.approx(middle[2], abs=0.1)  # nothing comes straight
+    assert middle[2] - middle[0] == pytest.approx(np.exp(-TAKEN * depth).mean(), abs=0.06)  # straight on
     assert middle[1] == pytest.approx(light.layer_passes_sky(depth).mean(), rel=0.25)
     low, high = stage.field.layers[0].bounds
     assert 0.2 < middle[3] < 0.8 and high > low
@@ -181,3 +182,43 @@ def test_where_the_maps_lie():
             texel = 2 * np.array([wide, high]) / 96
             assert np.all(np.abs(place @ values["across"] - u) <= wide + texel[0])
             assert np.all(np.abs(place @ values["along"] - v) <= high + texel[1])
+
+
+class Flight:
+    """What a `Schedule` chooses along a flight."""
+
+    def __init__(self, wind=(8.0, 0.0)):
+        self.schedule = Schedule(np.array(wind))
+
+    def at(self, east, time, *, fresh=False, elevation=40.0):
+        values = shadow_values(direction(elevation), np.array([east, 0.0]), (800.0, 2500.0), 96)
+        return self.schedule.lay(values, np.array([east, 0.0]), time, 96, fresh=fresh), self.schedule.due
+
+
+def test_one_map_a_frame():
+    flight = Flight()
+    assert flight.at(0.0, 0.0)[1] == set(range(MAPS))
+    drawn = [flight.at(5.0 * i, i / 30)[1] for i in range(1, 120)]
+    assert max(map(len, drawn)) <= 2 and np.mean([len(due) for due in drawn]) < 1.2
+    assert all(any(number in due for due in drawn) for number in range(MAPS))
+    # the finest is behind the soonest
+    assert sum(0 in due for due in drawn) > 60
+    last = 119 / 30
+    assert flight.at(595.0, last, fresh=True)[1] == set(range(MAPS))
+    assert flight.at(595.0, last)[1] == set()  # another sample of the same still
+    assert 0 in flight.at(900.0, last)[1]  # the camera jumps
+    assert flight.at(900.0, last, elevation=30.0)[1] >= {0, 1, 2}  # the light does
+    assert flight.at(900.0, last + 60.0, elevation=30.0)[1] == set(range(MAPS))
+
+
+def test_maps_that_wait_drift_with_the_clouds():
+    flight = Flight(wind=(8.0, 0.0))
+    before, _ = flight.at(0.0, 0.0)
+    after, due = flight.at(5.0, 0.1)
+    waiting = set(range(MAPS)) - due
+    assert len(waiting) == 3
+    moved = 8.0 * 0.1 - 5.0  # m to the east, as the camera sees it
+    across = shadow_values(direction(40.0), np.zeros(2), (800.0, 2500.0), 96)["across"]
+    for number in waiting - {MAPS - 1}:
+        assert after[number][0] - before[number][0] == pytest.approx(moved * across[0], abs=1e-9)
+        assert after[number][2:] == before[number][2:]

@@ -84,6 +84,12 @@ def mean_density(field: Field, layer: int, lumps: np.ndarray) -> float:
     return 0.78 * float(np.clip(filled / max(ellipsoids, 1e-6), 0.2, 4.0))
 
 
+def main_wind(field: Field) -> np.ndarray:
+    """Wind of the layer that throws most of the shadows, m/s east and north."""
+    dark = [layer.coverage * layer.extinction * (layer.bounds[1] - layer.bounds[0]) for layer in field.layers]
+    return np.array(field.layers[int(np.argmax(dark))].wind)
+
+
 def local_key(key: np.ndarray, up: np.ndarray) -> np.ndarray:
     """The direction to the light in map space: east, north, up at the camera.
 

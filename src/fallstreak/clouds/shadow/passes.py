@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...gpu import Struct
 from ...world.state import map_coordinates
-from .model import local_key, lumps, mean_density, shadow_values
+from .model import local_key, lumps, main_wind, mean_density, shadow_values
+from .schedule import MAPS, Schedule
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -37,12 +39,13 @@ OVERHEAD = 32
 class ShadowMap:
     """Writes ``clouds.shadow`` (4 layers) and ``clouds.overhead``; the uniform is ``clouds.shadow_frame``.
 
-    Shaders bind them as ``shadow_map`` and ``shadow`` and ask ``shadow/lookup.wesl``.
+    Shaders bind them as ``shadow_map`` and ``shadow`` and ask ``shadow/lookup.wesl``. In a sequence one map a
+    frame is drawn (`schedule`); the others lie where their clouds have drifted to.
 
     Parameters
     ----------
     clouds : Clouds
-        With its field; `key` and `moonlit` count when `update` is called.
+        With its field; `key`, `moonlit` and `fresh` count when `update` is called.
     """
 
     def __init__(self, clouds: Clouds):
@@ -51,8 +54,10 @@ class ShadowMap:
         bounds = [layer.bounds for layer in clouds.field.field.layers]
         self._heights = min(low for low, _ in bounds), max(high for _, high in bounds)
         self._uniform = graph.uniform("clouds.shadow_frame", CLOUD_SHADOW)
-        graph.texture("clouds.shadow", "rgba16float", (texels, texels, 4), dimension="2d-array")
-        graph.texture("clouds.overhead", "rgba16float", (OVERHEAD, OVERHEAD))
+        self._schedule = Schedule(main_wind(clouds.field.field))
+        size = (texels, texels, MAPS)
+        graph.texture("clouds.shadow", "rgba16float", size, dimension="2d-array", persistent=True)
+        graph.texture("clouds.overhead", "rgba16float", (OVERHEAD, OVERHEAD), persistent=True)
         field = clouds.field.field
         made = lumps(field.packed.boxes, field.packed.models)
         graph.buffer_data("clouds.lumps", made)
@@ -60,19 +65,21 @@ class ShadowMap:
         dense[: len(field.layers)] = [mean_density(field, i, made) for i in range(len(field.layers))]
         self._uniform.set(dense=dense.reshape(2, 4))
         structs = [CLOUD_SHADOW, *clouds.field.structs]
-        graph.compute(
-            "clouds.shadow",
-            "package::clouds::shadow::map",
-            bind={
-                "shadow": "clouds.shadow_frame",
-                "lumps": "clouds.lumps",
-                "output": "clouds.shadow",
-                **clouds.field.bind,
-            },
-            groups=(-(-texels // 32), -(-texels // 16), 4),  # a thread makes 4 × 2 texels
-            structs=structs,
-            constants=clouds.field.constants,
-        )
+        for number in range(MAPS):
+            graph.compute(
+                f"clouds.shadow.{number}",
+                "package::clouds::shadow::map",
+                bind={
+                    "shadow": "clouds.shadow_frame",
+                    "lumps": "clouds.lumps",
+                    "output": "clouds.shadow",
+                    **clouds.field.bind,
+                },
+                groups=(-(-texels // 32), -(-texels // 16), 1),  # a thread makes 4 × 2 texels
+                structs=structs,
+                constants={**clouds.field.constants, "MAP": number},
+                when=self._when(number),
+            )
         graph.compute(
             "clouds.overhead",
             "package::clouds::shadow::overhead",
@@ -84,7 +91,11 @@ class ShadowMap:
             },
             groups=(OVERHEAD // 8, OVERHEAD // 8, 1),
             structs=structs,
+            when=self._when(MAPS - 1),
         )
+
+    def _when(self, number: int) -> Callable[[], bool]:
+        return lambda: number in self._schedule.due
 
     def update(self, state: FrameState) -> None:
         """Lay the maps about the frame's camera."""
@@ -92,4 +103,7 @@ class ShadowMap:
         key = local_key(self._clouds.key, centre / np.linalg.norm(centre))
         camera = np.array(map_coordinates(state.camera.position, state.planet_radius))
         values = shadow_values(key, camera, self._heights, self._texels)
+        values["maps"] = self._schedule.lay(
+            values, camera, state.time, self._texels, fresh=self._clouds.fresh
+        )
         self._uniform.set(**values, moonlit=float(self._clouds.moonlit))
