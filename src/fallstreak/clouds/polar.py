@@ -23,9 +23,8 @@ _LAB = np.array(
     ]
 )
 _REC709 = np.array([0.2126, 0.7152, 0.0722])
-KEPT = 0.2
-"""How far colours go from plain addition to that: all the way, evening clouds are violet."""
-_GREEN = 2.48  # radians: no cloud is
+MOST = 1.35
+"""So much more saturated than the plain sum at most: where shadow and light just cancel grey remains."""
 
 
 def oklch(colour: np.ndarray) -> np.ndarray:
@@ -45,27 +44,15 @@ def from_oklch(polar: np.ndarray) -> np.ndarray:
 
 
 def blended(shadow: np.ndarray, full: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """What a share of the light adds to a shadow, in the colours between those of shadow and full light.
+    """What a share of the light adds to a shadow, as saturated as the two.
 
-    Luminance is that of the plain sum; chroma and hue go from the shadow's to the light's as lightness does,
-    hues that are far apart never by way of green.
+    Luminance and hue are those of the plain sum; chroma goes from the shadow's to the light's as lightness does.
     """
     shadow, full = np.asarray(shadow, float), np.asarray(full, float)
     plain = shadow + np.asarray(share, float)[..., None] * (full - shadow)
-    dark, bright = oklch(shadow), oklch(full)
-    own = oklch(plain)[..., 0]
-    part = np.clip((own - dark[..., 0]) / np.maximum(bright[..., 0] - dark[..., 0], 1e-6), 0.0, 1.0)
-    turn = _wrapped(bright[..., 2] - dark[..., 2])
-    green = _wrapped(_GREEN - dark[..., 2])
-    through = (np.abs(turn) > np.pi / 2) & (green * turn > 0.0) & (np.abs(green) < np.abs(turn))
-    turn = np.where(through, turn - 2.0 * np.pi * np.sign(turn), turn)
+    dark, bright, own = oklch(shadow), oklch(full), oklch(plain)
+    part = np.clip((own[..., 0] - dark[..., 0]) / np.maximum(bright[..., 0] - dark[..., 0], 1e-6), 0.0, 1.0)
     chroma = dark[..., 1] + part * (bright[..., 1] - dark[..., 1])
-    # what has little colour has little to say of the hue
-    around = turn * part * bright[..., 1] / np.maximum(chroma, 1e-6)
-    mixed = np.maximum(from_oklch(np.stack([own, chroma, dark[..., 2] + around], -1)), 0.0)
-    mixed *= ((plain @ _REC709) / np.maximum(mixed @ _REC709, 1e-12))[..., None]
-    return plain + KEPT * (mixed - plain)
-
-
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    return angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi))
+    own[..., 1] *= np.clip(chroma / np.maximum(own[..., 1], 1e-6), 1.0, MOST)
+    mixed = np.maximum(from_oklch(own), 0.0)
+    return mixed * ((plain @ _REC709) / np.maximum(mixed @ _REC709, 1e-12))[..., None]
