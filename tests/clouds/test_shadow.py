@@ -127,6 +127,23 @@ def test_only_what_lies_above_counts(fair):
     assert np.allclose(fair.look(above, 50.0), [0.0, 1.0, 0.0], atol=1e-3)
 
 
+@pytest.mark.parametrize("elevation", [20.0, 10.0, 5.0])
+def test_shade_within_clouds_under_a_low_sun(device, elevation):
+    """A level ray meets several clouds: each has its own shade, and that of those before it."""
+    stage = Stage(device, "cumulus_congestus", 0.25, texels=128)
+    low, high = stage.field.layers[0].bounds
+    rng = np.random.default_rng(3)
+    places = np.column_stack([rng.uniform(-2.5e3, 2.5e3, (60_000, 2)), rng.uniform(low, high, 60_000)])
+    within = stage.field.extinction(places, 0.0) > 0.3 * stage.field.layers[0].extinction
+    places = places[within][:400]
+    got = stage.look(places, elevation)[:, 0]
+    depth = stage.truth(places, direction(elevation), steps=400)
+    # about how diffuse light wanes
+    seen, true = 1 / (1 + 0.15 * got), 1 / (1 + 0.15 * depth)
+    assert seen.mean() == pytest.approx(true.mean(), abs=0.03)
+    assert np.sqrt(np.mean((seen - true) ** 2)) < 0.13
+
+
 def test_depth_straight_up(fair):
     rng = np.random.default_rng(4)
     places = np.column_stack([rng.uniform(-9e3, 9e3, (500, 2)), np.zeros(500)])

@@ -55,7 +55,7 @@ class ShadowMap:
         self._heights = min(low for low, _ in bounds), max(high for _, high in bounds)
         self._uniform = graph.uniform("clouds.shadow_frame", CLOUD_SHADOW)
         self._schedule = Schedule(main_wind(clouds.field.field))
-        size = (texels, texels, MAPS)
+        size = (texels, texels, 2 * MAPS - 1)  # of all but the last another layer
         graph.texture("clouds.shadow", "rgba16float", size, dimension="2d-array", persistent=True)
         graph.texture("clouds.overhead", "rgba16float", (OVERHEAD, OVERHEAD), persistent=True)
         field = clouds.field.field
