@@ -76,13 +76,15 @@ class Terrain:
             self._near = NearGround(self.model)
             self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
             add_materials(graph)
-            self._add_ground(graph, world, quality, show)
+            self._add_ground(graph, world, quality, size, show)
             self.vegetation = Vegetation.on_clipmap(graph, world, quality, self.clip)
         self._fixed = self._fixed_values(world)
         self._frame.set(**self._fixed)
         self._add_globe(graph, planet)
 
-    def _add_ground(self, graph: FrameGraph, world: Any, quality: Any, show: str | None) -> None:
+    def _add_ground(
+        self, graph: FrameGraph, world: Any, quality: Any, size: tuple[int, int], show: str | None
+    ) -> None:
         assert self.clip is not None
         graph.buffer_data("terrain.index", grid_indices(self._grid), usage=("index",))
         graph.buffer("terrain.nodes", 8 * MAX_NODES)
@@ -121,10 +123,12 @@ class Terrain:
             constants=constants,
             flags=self.clip.flags,
         )
+        water = world.terrain.has_water and show is None
+        graph.texture("terrain.seen", "rgba32uint", size)
         graph.render(
-            "terrain.gbuffer",
+            "terrain.mesh",
             "package::terrain::draw",
-            color=_COLOR,
+            color=["terrain.seen"],
             depth="gbuffer.depth",
             bind={
                 "view": "view",
@@ -132,6 +136,22 @@ class Terrain:
                 "heights": "terrain.heights",
                 "nodes": "terrain.nodes",
                 "workgroups": "terrain.workgroups",
+            },
+            indirect="terrain.draws",
+            index="terrain.index",
+            indices=6 * self._grid**2,
+            structs=[TERRAIN_FRAME],
+            constants=constants,
+            flags={"WATER": water},
+        )
+        graph.fullscreen(
+            "terrain.gbuffer",
+            "package::terrain::pixel",
+            color=_COLOR,
+            bind={
+                "view": "view",
+                "terrain": "terrain.frame",
+                "places": "terrain.seen",
                 "repeat": "sampler:linear-repeat",
                 "surface": "terrain.surface",
                 "cover_a": "terrain.cover_a",
@@ -141,9 +161,6 @@ class Terrain:
                 "material_shape": "terrain.material_shape",
                 "waves": "terrain.waves",
             },
-            indirect="terrain.draws",
-            index="terrain.index",
-            indices=6 * self._grid**2,
             structs=[TERRAIN_FRAME],
             constants={
                 **constants,
@@ -151,11 +168,10 @@ class Terrain:
                 **water_constants(world.terrain, world.seed, self.model.island),
             },
             flags={
-                **self.clip.flags,
                 "TRIPLANAR": quality.terrain_detail >= 3,
                 "MATERIAL_COPIES": quality.terrain_detail >= 2,
                 "SHOW_MATERIALS": show == "materials",
-                "WATER": world.terrain.has_water and show is None,
+                "WATER": water,
             },
         )
 
