@@ -58,7 +58,12 @@ def test_portraits_show_south_west_and_above():
 
 def test_clouds_bake_on_the_command_line(tmp_path, capsys):
     assert main(["clouds", "bake"]) == 0
-    assert "16 textures" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "16 textures" in told
+    rows = [line.split() for line in told.splitlines()[1:17]]
+    assert [int(row[0]) for row in rows] == list(range(16))
+    assert [row[1] for row in rows[::4]] == ["heaps", "lumps", "veil", "fibres"]
+    assert all(0.1 < float(row[2]) < 0.9 and int(row[3].replace(",", "")) > 1000 for row in rows)
     picture = tmp_path / "humilis.png"
     assert main(["clouds", "bake", "cumulus_humilis_a", "-o", str(picture)]) == 0
     assert "12 boxes" in capsys.readouterr().out

@@ -45,19 +45,31 @@ def _sheet(output: Path | None) -> int:
     if output is not None:
         with replacing(output) as beside:
             size = write(beside)
+        _table(output)
         print(f"{output}: 16 textures, {size / 1024:.0f} KiB")
         return 0
     new = _baked()
     told = f"{SHEET.name}: 16 textures, {len(new) / 1024:.0f} KiB"
     if SHEET.is_file() and new == SHEET.read_bytes():
+        _table(SHEET)
         print(f"{told}, byte for byte the package's own")
         return 0
     if not os.access(SHEET.parent, os.W_OK):
         raise UsageError(f"{SHEET} differs and cannot be written: give a file of your own by -o")
     with replacing(SHEET) as beside:
         beside.write_bytes(new)
+    _table(SHEET)
     print(f"{told}, written anew")
     return 0
+
+
+def _table(sheet: Path) -> None:
+    """Print what is in a sheet."""
+    from fallstreak.clouds.sprites.bake import listed
+
+    print("texture  kind    mean opacity   bytes")
+    for number, kind, opacity, size in listed(sheet):
+        print(f"{number:7d}  {kind:6s}  {opacity:12.3f}  {size:6,d}")
 
 
 def _baked() -> bytes:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 
 from ... import noise
-from .textures import COUNT, SIDE, together
+from .textures import COUNT, SIDE, apart, together
 
 STEEPEST = 10.6
 """Rise of thickness per width of the texture that slopes can hold."""
@@ -25,8 +26,9 @@ _TORN = 1.0  # how deep the relief eats into the ball
 
 @dataclass(frozen=True)
 class Recipe:
-    """One texture: its relief, and how many times finer than its own width the relief is."""
+    """One texture: what it is called, its relief, and how many times finer than its own width that is."""
 
+    kind: str
     relief: Callable[[np.ndarray, np.ndarray, int, float], np.ndarray]
     frequency: float
 
@@ -62,11 +64,11 @@ def _fibres(u: np.ndarray, v: np.ndarray, seed: int, frequency: float) -> np.nda
 
 
 RECIPES = (
-    *(Recipe(_heaps, f) for f in (2.4, 3.0, 3.8, 4.8)),
-    *(Recipe(_lumps, f) for f in (3.0, 3.6, 4.4, 5.2)),
-    *(Recipe(_veil, f) for f in (2.2, 2.8)),
-    *(Recipe(_fibres, f) for f in (7.0, 9.0, 11.0, 14.0)),
-    *(Recipe(_heaps, f) for f in (7.0, 9.5)),
+    *(Recipe("heaps", _heaps, f) for f in (2.4, 3.0, 3.8, 4.8)),
+    *(Recipe("lumps", _lumps, f) for f in (3.0, 3.6, 4.4, 5.2)),
+    *(Recipe("veil", _veil, f) for f in (2.2, 2.8)),
+    *(Recipe("fibres", _fibres, f) for f in (7.0, 9.0, 11.0, 14.0)),
+    *(Recipe("grains", _heaps, f) for f in (7.0, 9.5)),
 )
 """By the numbers that cloud models name: 0-3 heaps, 4-7 lumps, 8-9 veils, 10-13 fibres, 14-15 grains."""
 
@@ -82,6 +84,20 @@ def write(path: Path) -> int:
 
     Image.fromarray(together(bake())).save(path, "PNG", optimize=True)
     return path.stat().st_size
+
+
+def listed(path: Path) -> list[tuple[int, str, float, int]]:
+    """Of each texture in a sheet's file: number, kind, mean opacity (0 to 1), bytes as a PNG of its own."""
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        textures = apart(np.asarray(picture.convert("RGBA")))
+    rows = []
+    for number, (recipe, texture) in enumerate(zip(RECIPES, textures, strict=True)):
+        alone = BytesIO()
+        Image.fromarray(texture).save(alone, "PNG", optimize=True)
+        rows.append((number, recipe.kind, float(texture[..., 3].mean()) / 255.0, alone.tell()))
+    return rows
 
 
 def _texture(index: int) -> np.ndarray:
