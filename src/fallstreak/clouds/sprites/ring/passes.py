@@ -11,7 +11,7 @@ from ....gpu import VIEW, FrameGraph, Struct
 from ....world.state import CameraState, FrameState, local_axes, map_coordinates, view_values
 from ...frame import CLOUD_FRAME, frame_values
 from ..draw import add_sprites, depth_texels
-from ..scope import LIMIT, RING_VIEW, SPRITE_SCOPE
+from ..scope import BLOCK, LIMIT, RING_VIEW, SPRITE_SCOPE
 from .parts import SIDES, Part, by_block, by_side
 from .plan import Plan
 from .plan import Ring as Made
@@ -139,7 +139,8 @@ class Ring:
             "shown": self._told(plan.shown, 1.0 - plan.weight, state, place),
             "next": self._told(plan.next, plan.weight, state, place),
         }
-        behind = plan.radius if self._shows() else FAR
+        # blocks that are not in the ring reach so far
+        behind = plan.radius + BLOCK / np.sqrt(2.0) if self._shows() else FAR
         self._near.set(shift=(0.0, 0.0), behind=behind, **told)
         if plan.drawn is None:
             return
