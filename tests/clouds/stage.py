@@ -37,10 +37,10 @@ CLOUD = np.dtype(
 class Stage:
     """A world's field in a frame graph; `look` renders a frame with the camera at a place."""
 
-    def __init__(self, device, world, window=32):
+    def __init__(self, device, world, window=32, ends=False):
         self.field = field_of(world)
         self.graph = FrameGraph(device)
-        self.passes = FieldPasses(self.graph, self.field, SimpleNamespace(cloud_cells=window))
+        self.passes = FieldPasses(self.graph, self.field, SimpleNamespace(cloud_cells=window), ends=ends)
         self.graph.buffer_data("places", np.zeros((PLACES, 4), np.float32))
         self.graph.buffer("found", PLACES * 8)
         bind = {"places": "places", "found": "found", **self.passes.bind}

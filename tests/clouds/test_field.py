@@ -76,6 +76,19 @@ def test_the_shaders_give_the_extinction_of_the_twin(stages, frame):
         assert error.max() < 0.03 and error.mean() < 0.001
 
 
+def test_clouds_get_fewer_towards_the_end_of_the_window(device):
+    stage = Stage(device, world("altocumulus", "cumulus_humilis", coverage=0.95), ends=True)
+    for index, layer in enumerate(stage.field.layers):
+        records = stage.look(0.0, 0.0, 0.0)[0][index].ravel()
+        away = np.hypot(*records["offset"].T) / ((0.5 * stage.passes.window - 1.0) * layer.cell)
+        shares = [
+            (records["formation"][(away > low) & (away <= low + 0.1)] > 0.0).mean()
+            for low in (0.55, 0.75, 0.85, 1.0)
+        ]
+        assert shares[0] > shares[1] > shares[2] > shares[3] == 0.0
+        np.testing.assert_array_equal(records["radius"] > 0.0, records["formation"] > 0.0)
+
+
 def test_the_window_ends_without_clouds(stages):
     stage = stages[0]
     layer = stage.field.layers[0]

@@ -61,7 +61,9 @@ class Clouds:
         scale = quality.cloud_scale
         self.size = (-(-size[0] // scale), -(-size[1] // scale))
         graph.texture("clouds.layer", "rgba16float", self.size)
-        self.field = FieldPasses(graph, field_of(world), quality)
+        # puffs alone stand for clouds beyond the window
+        ends = world.clouds.technique != "puffs"
+        self.field = FieldPasses(graph, field_of(world), quality, ends=ends)
         self.shadow = ShadowMap(self) if world.clouds.shadows else None
         module = import_module(f".{world.clouds.technique}", __package__)
         self.technique = getattr(module, TECHNIQUES[world.clouds.technique])(graph, self)

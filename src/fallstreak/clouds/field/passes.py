@@ -33,6 +33,8 @@ class FieldPasses:
     field : Field
     quality : Quality
         For ``cloud_cells``, the width of each layer's window.
+    ends : bool
+        Whether nothing is drawn beyond the window, so that clouds must get fewer towards its end.
 
     Attributes
     ----------
@@ -43,7 +45,7 @@ class FieldPasses:
     window : int
     """
 
-    def __init__(self, graph: FrameGraph, field: Field, quality: Quality):
+    def __init__(self, graph: FrameGraph, field: Field, quality: Quality, *, ends: bool = False):
         self.field = field
         self.window = quality.cloud_cells
         count = len(field.layers)
@@ -86,6 +88,7 @@ class FieldPasses:
             groups=(groups, groups, count),
             structs=self.structs,
             constants={"WINDOW": self.window},
+            flags={"ENDS": ends},
         )
 
     def update(self, state: FrameState) -> None:
