@@ -183,6 +183,22 @@ def test_it_looks_like_the_sprites_it_stands_for(update):
     assert difference <= 2.0
 
 
+def test_seams_of_the_octagon_are_not_seen():
+    """With the ring and without: pictures differ no more where sides meet than beside it."""
+    headings = [{"at": float(k), "heading": 22.5 + 45.0 * k} for k in range(8)]
+    pictures = []
+    for ring in (True, False):
+        world = sky(camera__keyframes=headings, camera__fov=30.0, clouds__sprites__ring=ring)
+        with fs.Renderer(world, (160, 90), "low", fps=1, samples=1) as renderer:
+            pictures.append([renderer.render(k).ldr.astype(float) for k in range(8)])
+    columns = np.abs(np.subtract(*pictures)).mean((1, 3))
+    seams = columns[:, 78:82].mean(1)
+    beside = np.concatenate([columns[:, 60:76], columns[:, 84:100]], 1)
+    print(f"\nseams {np.round(seams, 2)}, beside {np.round(beside.mean(1), 2)}")
+    assert seams.mean() <= 1.2 * beside.mean()
+    assert (seams <= beside.max(1) + 1.0).all()
+
+
 def test_frames_repeat():
     first, second = (played(sky(), 14, (64, 36))[0] for _ in range(2))
     np.testing.assert_array_equal(first, second)

@@ -102,10 +102,11 @@ class Sprites(Section):
 
     ring: Flag = choice(True, doc="Whether far clouds are drawn into the ring and not one by one.")
     ring_radius: Number = quantity(
-        10e3, unit="m", ge=1e3, le=1e5, doc="Clouds beyond this distance are in the ring."
+        6500.0, unit="m", ge=1e3, le=1e5, doc="Clouds beyond this distance are in the ring."
     )
     ring_update: Literal["side", "block"] = choice(
-        "side", doc="How much of a new ring is drawn in one frame: a side of it, or one block of 16 km²."
+        "side",
+        doc="How a new ring is drawn: side by side, a third in each frame, or one block of 16 km² a frame.",
     )
     density: Number = quantity(1.0, ge=0.1, le=4.0, doc="Number of sprites in a cloud, 1 = its model's.")
 
@@ -140,7 +141,7 @@ class Clouds(Section):
     colours: Literal["physical", "artist"] = choice(
         "physical",
         doc="physical: lit by sun, moon, sky and ground. artist: in the colours that the cloud models name "
-        "for times of the day (technique sprites alone, and without its ring).",
+        "for times of the day (technique sprites alone).",
     )
     sprites: Sprites = table(Sprites, "For technique sprites.")
     puffs: Puffs = table(Puffs, "For technique puffs.")
