@@ -46,7 +46,8 @@ def from_oklch(polar: np.ndarray) -> np.ndarray:
 def blended(shadow: np.ndarray, full: np.ndarray, share: np.ndarray) -> np.ndarray:
     """What a share of the light adds to a shadow, as saturated as the two.
 
-    Luminance and hue are those of the plain sum; chroma goes from the shadow's to the light's as lightness does.
+    Luminance and hue are those of the plain sum; chroma goes from the shadow's to the
+    light's as lightness does.
     """
     shadow, full = np.asarray(shadow, float), np.asarray(full, float)
     plain = shadow + np.asarray(share, float)[..., None] * (full - shadow)

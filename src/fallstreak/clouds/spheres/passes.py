@@ -99,6 +99,8 @@ class Spheres:
         graph.texture(name + "placed", "rgba16float", (width, height), persistent=True)
         graph.buffer(name + "near_groups", 16, usage=("indirect",))
         near = tuple(-(-side // quality.cloud_near) for side in clouds.size)
+        near_tiles = (-(-near[0] // 8), -(-near[1] // 8))
+        graph.buffer(name + "near_tiles", 16 + 4 * near_tiles[0] * near_tiles[1], usage=("indirect",))
         graph.texture(name + "near_shape", "rgba8unorm", (near[0], near[1]))
         graph.texture(name + "near_placed", "rgba16float", (near[0], near[1]))
 
@@ -109,6 +111,7 @@ class Spheres:
             "groups": name + "groups",
             "shapes": name + "shapes",
             "filled": name + "filled",
+            "near_found": name + "near_tiles",
             "table": name + "table",
             "shape": name + "shape",
             "placed": name + "placed",
@@ -120,7 +123,7 @@ class Spheres:
                 key: name + key
                 for key in (
                     "counts", "seen", "keys", "about", "wishes", "items", "tiles", "posed", "sections",
-                    "homes", "near_groups", "shown", "cores",
+                    "homes", "near_groups", "near_tiles", "shown", "cores",
                 )
             },
             **clouds.field.bind,
@@ -134,7 +137,7 @@ class Spheres:
                 "SECTIONS": len(table),
                 "ATLAS": (width, height),
                 "LAYER_SIZE": clouds.size,
-                "NEAR_GROUPS": (-(-near[0] // 8), -(-near[1] // 8)),
+                "NEAR_GROUPS": near_tiles,
                 **clouds.field.constants,
             },
         }
@@ -168,7 +171,8 @@ class Spheres:
         compute("pose", name + "items")
         compute("trace", name + "tiles", **shadowed)
         screen = {"shape": name + "near_shape", "placed": name + "near_placed"}
-        compute("near", name + "near_groups", bind=screen, **shadowed)
+        compute("near_tiles", name + "near_groups", bind=screen)
+        compute("near", name + "near_tiles", bind=screen, **shadowed)
         compute("place", (MOST_SEEN // 64, 1, 1))
         strip: dict[str, Any] = {"topology": "triangle-strip", "indirect": name + "tiles"}
         render("cores", color=[], depth=name + "cores", blend=None, indirect_offset=_CORES, **strip)
