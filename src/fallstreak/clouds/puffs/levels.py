@@ -166,13 +166,13 @@ def fineness_of(
         low, high = slab.core or (slab.low, slab.high)
         rows = np.maximum(np.round((high - low) / sizes), 1.0)
         # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
-        filled = (0.36 * slab.cover) ** (1.0 / (1.0 + (0.5 * sizes / max(slab.body, 1.0)) ** 2))
+        filled = (0.36 * slab.cover) ** (1.0 / (1.0 + (0.6 * sizes / max(slab.body, 1.0)) ** 2))
         rows = np.minimum(rows, 8.0) * filled
         area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
         visible = sizes * slab.extinction > LEAST_DEPTH
         total += (area * (rows * visible / sizes**2)).sum(1) * np.pi * radius / (radius + max(height, 0.0))
     # from low down, from orbit, from where the whole planet is in the picture
-    shown = np.interp(np.log10(max(height, 1.0)), [4.6, 5.6, 7.0], [0.2, 0.4, 1.0])
+    shown = np.interp(np.log10(max(height, 1.0)), [4.6, 5.6, 7.0], [0.2, 0.48, 1.0])
     return float(np.interp(np.log(number / shown), np.log(total + 1.0), _FINENESS))
 
 
