@@ -119,6 +119,7 @@ class FrameGraph(Declarations):
         vertex_module: str | None = None,
         depth_compare: str = "greater",
         depth_write: bool = True,
+        depth_in_turn: bool = False,
         blend: str | None = None,
         topology: str = "triangle-list",
         cull: str = "none",
@@ -142,6 +143,9 @@ class FrameGraph(Declarations):
             Attachments. The first pass of a frame that writes one clears it, later ones load.
         depth_write : bool
             Without it the depth is only tested, and may be bound as a texture at the same time.
+        depth_in_turn : bool
+            A depth that is only tested is tested in this pass's turn among those that write it, not after all
+            of them, and may not be bound.
         blend : None, "add", "over" (premultiplied alpha) or "multiply"
         indirect : str, optional
             Buffer with the draw's arguments from byte `indirect_offset` on; with `index` of an indexed draw.
@@ -162,8 +166,9 @@ class FrameGraph(Declarations):
         depth_ref = Ref.parse(depth) if depth else None
         for ref in [*color_refs, *([depth_ref] if depth_ref else [])]:
             self._texture_decl(name, ref).usage |= res.RENDER_ATTACHMENT
+        among_writers = depth_write or depth_in_turn
         if depth_ref:
-            (writes if depth_write else reads).append(depth_ref)
+            (writes if among_writers else reads).append(depth_ref)
         for extra in (indirect, index):
             if extra:
                 reads.append(Ref.parse(extra))
@@ -189,7 +194,7 @@ class FrameGraph(Declarations):
                 name,
                 pipeline,
                 made.bind_groups(name, pipeline, linked.bindings, bind),
-                made.attachments(name, color_refs, depth_ref, depth_write),
+                made.attachments(name, color_refs, depth_ref, among_writers),
                 [(r.name, r.mip or 0) for r in color_refs],
                 (depth_ref.name, depth_ref.mip or 0) if depth_ref else None,
                 vertices,

@@ -107,7 +107,7 @@ class _Draw:
                 "MASKED": loaded.masked,
                 "MIXED_SIDES": len(loaded.sides) > 1,
             },
-            order=-1,  # before the ground, which then need not be shaded where they hide it
+            order=-1,  # before the plants, which then need not be shaded where they hide them
         )
 
     def update(self, state: FrameState) -> None:

@@ -25,6 +25,7 @@ RINGS, SECTORS = 48, 128
 _SURFACES = {"ocean": 0, "land": 1, "mars": 2}
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _TILE = 4096
+_FIRST = -2  # of all that is drawn: where there is depth by then, there is ground
 
 
 class Terrain:
@@ -143,11 +144,15 @@ class Terrain:
             structs=[TERRAIN_FRAME],
             constants=constants,
             flags={"WATER": water},
+            order=_FIRST,
         )
         graph.fullscreen(
             "terrain.gbuffer",
             "package::terrain::pixel",
             color=_COLOR,
+            depth="gbuffer.depth",
+            depth_compare="less",
+            depth_in_turn=True,
             bind={
                 "view": "view",
                 "terrain": "terrain.frame",
@@ -173,6 +178,7 @@ class Terrain:
                 "SHOW_MATERIALS": show == "materials",
                 "WATER": water,
             },
+            order=_FIRST,
         )
 
     def _add_globe(self, graph: FrameGraph, planet: dict[str, float]) -> None:

@@ -28,7 +28,6 @@ PERIOD = 64.0
 _SQUARE = 8  # cells along a side of what one workgroup looks at
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _LAST_MIP = 4
-_BEFORE_GROUND = -0.5  # what plants hide of it is then not shaded, and its pixels are the dearer ones
 
 
 class Vegetation:
@@ -209,7 +208,6 @@ class Vegetation:
                 structs=[self._struct],
                 constants={"FIRST": stand.first[level], **layers},
                 flags={"STONE": stone},
-                order=_BEFORE_GROUND,
                 when=lambda level=level: self._is_near() and self._above < self._reach[index][level],
             )
         if kind.tile is not None:
@@ -284,7 +282,6 @@ class Vegetation:
             index="plants.square",
             structs=[self._struct, IMPOSTOR],
             constants={"VIEWS": VIEWS, "LAST_MIP": float(_LAST_MIP)},
-            order=_BEFORE_GROUND,
             when=self._is_near,
         )
 
