@@ -12,7 +12,7 @@ from fallstreak.world.state import CameraState, FrameState, camera_rotation, vie
 
 HERE = Path(__file__).parent
 SIZE = (128, 72)
-FLAGS = ("AGX", "NEUTRAL", "SRGB", "NIGHT", "DITHER", "BLOOM", "DEEP", "NIGHT_VISION")
+FLAGS = ("AGX", "GRADED", "NEUTRAL", "SRGB", "GAMMA", "NIGHT", "DITHER", "BLOOM", "DEEP", "NIGHT_VISION")
 
 
 def evaluate(device, entry, values, *, flags=None, constants=None):

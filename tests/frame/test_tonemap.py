@@ -59,10 +59,17 @@ def test_the_shader_equals_the_model(device, name):
     assert np.abs(got - expected).max() < 1e-3
 
 
+def test_two_curves_in_one(device):
+    signal = np.linspace(0.0, 1.0, 3000).reshape(-1, 3)
+    got = evaluate(device, "tones", signal, flags={"GAMMA": True})[:, :3]
+    assert np.abs(got - model.srgb_encode(signal**2.2)).max() < 1e-4
+
+
 @pytest.mark.parametrize("look", ["medium", "punchy"])
 def test_looks(device, look):
     values = colours()
-    got = evaluate(device, "tones", values, flags={"AGX": True}, constants={"LOOK": model.AGX_LOOKS[look]})
+    flags = {"AGX": True, "GRADED": True}
+    got = evaluate(device, "tones", values, flags=flags, constants={"LOOK": model.AGX_LOOKS[look]})
     assert np.abs(got[:, :3] - model.agx(values, look)).max() < 1e-3
     assert model.agx(np.full(3, 0.18), "medium") == pytest.approx(0.18, abs=0.01)
 

@@ -50,7 +50,7 @@ class Temporal:
         # Old enough for the steady weight: without a reset, the history was restored from a longer run.
         self._age = ceil(1.0 / STEADY_WEIGHT)
         self._uniform = graph.uniform("frame.temporal", TEMPORAL)
-        graph.fullscreen(
+        graph.render(
             "frame.temporal",
             "package::frame::temporal",
             color=["frame.resolved"],

@@ -71,6 +71,7 @@ class ToneMap:
             "AGX": film.tone_map == "agx",
             "NEUTRAL": film.tone_map == "neutral",
             "BLOOM": bloom is not None,
+            "GRADED": (power, saturation) != (1.0, 1.0),
             "DEEP": bits == 16,
         }
         forms = {"frame.tonemap": (False, None)}
@@ -81,7 +82,7 @@ class ToneMap:
                 "frame.tonemap.night": (True, lambda: _dark(graph)),
             }
         for name, (night, when) in forms.items():
-            graph.fullscreen(
+            graph.render(
                 name,
                 "package::frame::tonemap",
                 color=["frame.ldr"],
