@@ -58,6 +58,7 @@ class PuffStage:
         size: tuple[int, int] = (96, 54),
         number: int = 4000,
         everywhere: bool = False,
+        most: int = 30000,
     ):
         self.size = size
         self.slab = slab or Slab(1000.0, 1600.0, 0.04, (0.0, 0.0), 7)
@@ -75,7 +76,7 @@ class PuffStage:
             size=size,
             number=number,
             matter="package::clouds::puffs::selftest_matter",
-            constants={"HEAP": heap, "DENSE": self.slab.extinction},
+            constants={"HEAP": heap, "DENSE": self.slab.extinction, "MOST_DRAWN": most},
             everywhere=everywhere,
         )
         graph.output(
@@ -107,7 +108,7 @@ class PuffStage:
 
     @property
     def drawn(self) -> int:
-        return int(self._words("clouds.puffs.arguments")[4])
+        return int(self._words("clouds.puffs.arguments")[0]) // 3
 
     @property
     def blocks(self) -> int:

@@ -107,6 +107,19 @@ def test_a_frame_is_the_same_twice(device):
     np.testing.assert_array_equal(stage.draw(height=1200.0, pitch=5.0), first)
 
 
+def test_of_too_many_the_nearest_are_drawn_and_always_the_same(device):
+    few, every = PuffStage(device, heap=3000.0, most=400), PuffStage(device, heap=3000.0)
+    pose = {"height": 1900.0, "pitch": -20.0}
+    first = few.draw(**pose)
+    whole = every.draw(**pose)
+    assert few.drawn == 400 < every.drawn
+    few.draw(height=9000.0, pitch=-30.0, east=5000.0)
+    np.testing.assert_array_equal(few.draw(**pose), first)
+    # near puffs fill the lower border of the picture, far ones the horizon
+    np.testing.assert_allclose(first[-1, :, 3], whole[-1, :, 3], atol=0.02)
+    assert first[..., 3].sum() < 0.9 * whole[..., 3].sum()
+
+
 def test_no_clouds_no_puffs(device):
     stage = PuffStage(device)
     assert not stage.draw(height=10e3, visibility=2e3, pitch=20.0).any()

@@ -160,8 +160,8 @@ class PuffPasses:
         graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",), persistent=True)
         graph.buffer("clouds.puffs.blocks", 16 * MOST_BLOCKS)
         graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",), persistent=True)
-        graph.buffer("clouds.puffs.puffs", 144 * MOST_DRAWN)
-        graph.buffer("clouds.puffs.keys", 8 * MOST_DRAWN)
+        graph.buffer("clouds.puffs.puffs", 144 * MOST_FOUND)
+        graph.buffer("clouds.puffs.keys", 8 * MOST_FOUND)
 
         def add(name: str, **options: Any) -> None:
             graph.compute(f"clouds.puffs.{name}", f"package::clouds::puffs::{name}", **common, **options)
@@ -211,7 +211,7 @@ class PuffPasses:
             keys="clouds.puffs.keys",
             count=counts["draw"],
             word=4,
-            capacity=MOST_DRAWN,
+            capacity=MOST_FOUND,
         )
         graph.render(
             "clouds.puffs.draw",
@@ -237,7 +237,8 @@ class PuffPasses:
         -------
         dict
             ``buckets``: all of them; ``buckets_in_sight``; ``evaluated``: cells that were looked at;
-            ``found``: puffs in these; ``drawn``: those that others do not hide; ``found`` of each size.
+            ``found``: puffs in these; ``drawn``: those that others do not hide, the nearest `MOST_DRAWN` of
+            them; ``found`` of each size.
         """
 
         def words(name: str) -> np.ndarray:
@@ -255,7 +256,7 @@ class PuffPasses:
             "buckets_in_sight": int(blocks[3]),
             "evaluated": 64 * int(blocks[0]),
             "found": int(found[3]),
-            "drawn": int(words("clouds.puffs.arguments")[4]),
+            "drawn": int(words("clouds.puffs.arguments")[0]) // _VERTICES,
             **each,
         }
 
