@@ -84,3 +84,37 @@ def test_thick_clouds_throw_dark_shadows_and_leave_the_rest(clear):
 def test_clouds_without_shadows_leave_the_land_as_it_was(clear):
     layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0}
     assert ground([layer], shadows=False) == pytest.approx(clear, rel=5e-3)
+
+
+def sea(layers, **camera):
+    """Luminance of a sea below and before the camera, (36, 64, 3)."""
+    at = {"height": 60.0, "pitch": -14.0, "heading": 0.0, "fov": 22.0, **camera}
+    world = fs.load("towering").updated(
+        {
+            "time": "2025-06-21T12:30:00-10:00",
+            "camera": at,
+            "clouds": {"technique": "puffs", "layers": layers},
+        }
+    )
+    hdr = fs.render(world, (64, 36), "low").hdr
+    assert hdr is not None
+    return hdr.astype(float)
+
+
+def test_water_mirrors_clouds():
+    """Blue under a clear sky, grey and about as bright as the clouds' undersides under an overcast one."""
+    layer = {"genus": "stratocumulus", "coverage": 1.0, "lifetime": 0.0}
+    clear, under = (sea(layers).mean((0, 1)) for layers in ([], [layer]))
+    half = sea([{**layer, "coverage": 0.5}]).mean((0, 1))
+    bluish = [float(c[2] / c[0]) for c in (clear, half, under)]
+    assert bluish[0] > 1.6 * bluish[2] and bluish[0] > 1.1 * bluish[1] > 1.1 * bluish[2]
+    assert 0.7 < bluish[2] < 1.5
+    assert half @ LUMINANCE > 1.1 * (clear @ LUMINANCE)
+
+
+def test_from_orbit_clouds_shadows_are_their_mean():
+    """The map of shadows is 96 km wide: no square of that size in the middle of the picture."""
+    layer = {"genus": "cumulus_mediocris", "coverage": 0.5, "lifetime": 0.0}
+    seen = sea([layer], height=300e3, pitch=-90.0, fov=40.0) @ LUMINANCE
+    bent = seen[1:-1] - 0.5 * (seen[:-2] + seen[2:])
+    assert np.abs(bent).max() < 0.03 * seen.mean()  # the sun's glitter alone, no edges and no streaks

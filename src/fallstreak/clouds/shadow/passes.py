@@ -29,8 +29,12 @@ CLOUD_SHADOW = Struct(
         ("blur", "f32", "m, height of the clouds above the ground that they light"),
         ("dense", "array<vec4f, 2>", "by layer: mean density within the ellipsoids of the clouds' boxes"),
         ("moonlit", "f32", "1: the light is the moon's, 0: the sun's"),
+        ("far", "f32", "1: the camera is so high that the map would be a patch on the ground"),
     ],
 )
+
+FAR = (50e3, 120e3)
+"""m, the camera's height; between them single shadows give way to their mean."""
 
 OVERHEAD = 32
 """Texels along a side of ``clouds.overhead``."""
@@ -106,4 +110,6 @@ class ShadowMap:
         values["maps"] = self._schedule.lay(
             values, camera, state.time, self._texels, fresh=self._clouds.fresh
         )
-        self._uniform.set(**values, moonlit=float(self._clouds.moonlit))
+        height = float(np.linalg.norm(centre)) - state.planet_radius
+        far = float(np.clip((height - FAR[0]) / (FAR[1] - FAR[0]), 0.0, 1.0))
+        self._uniform.set(**values, moonlit=float(self._clouds.moonlit), far=far)
