@@ -100,6 +100,7 @@ class Spheres:
         graph.buffer(name + "near_groups", 16, usage=("indirect",))
         near = tuple(-(-side // quality.cloud_near) for side in clouds.size)
         near_tiles = (-(-near[0] // 8), -(-near[1] // 8))
+        graph.buffer(name + "near_masks", 8 * MOST_NEAR * near_tiles[0] * near_tiles[1])
         graph.buffer(name + "near_tiles", 16 + 4 * near_tiles[0] * near_tiles[1], usage=("indirect",))
         graph.texture(name + "near_shape", "rgba8unorm", (near[0], near[1]))
         graph.texture(name + "near_placed", "rgba16float", (near[0], near[1]))
@@ -123,7 +124,7 @@ class Spheres:
                 key: name + key
                 for key in (
                     "counts", "seen", "keys", "about", "wishes", "items", "tiles", "posed", "sections",
-                    "homes", "near_groups", "near_tiles", "shown", "cores",
+                    "homes", "near_groups", "near_tiles", "near_masks", "shown", "cores",
                 )
             },
             **clouds.field.bind,
