@@ -13,6 +13,8 @@ import pytest
 import fallstreak as fs
 from fallstreak.clouds.field import field_of
 
+pytestmark = pytest.mark.xdist_group("techniques")  # the frames are rendered once, for all tests
+
 TECHNIQUES = ("sprites", "puffs", "spheres")
 SIZE = (72, 48)
 LIFE = 1000.0
