@@ -239,3 +239,12 @@ def test_maps_that_wait_drift_with_the_clouds():
     for number in waiting - {MAPS - 1}:
         assert after[number][0] - before[number][0] == pytest.approx(moved * across[0], abs=1e-9)
         assert after[number][2:] == before[number][2:]
+
+
+def test_shadows_from_far_are_soft(device):
+    """The sun's disc blurs over a hundredth of the way: 160 m when it stands 5 degrees high."""
+    stage = Stage(device, "cumulus_mediocris", 0.4, texels=384)  # of 16 m
+    aside = np.array([np.cos(np.radians(210.0)), -np.sin(np.radians(210.0)), 0.0])
+    line = np.arange(-250, 250)[:, None] * 8.0 * aside
+    steps = {high: np.abs(np.diff(stage.look(line, high)[:, 1])).max() for high in (60.0, 5.0)}
+    assert steps[5.0] < 0.12 < steps[60.0]

@@ -10,9 +10,9 @@ What it is
     the ground sees them; energy is kept (delta-Eddington, see ``light.py``).
 
 Limits
-    Within the map space is flat and the light parallel; the largest map reaches 48 km, beyond it land is as
-    bright as on average at its border. Edges are as soft as a texel: in the finest map 6 km over its width,
-    some 50 m, about what the sun's disc does 5 km below a cloud. Light lower than 2 degrees throws shadows as
+    Within the map space is flat and the light parallel; the largest map reaches 48 km, beyond it land is lit
+    by the map's mean. Edges are as soft as a texel of the finest map, which is 6 km wide, or from far away as
+    the sun's disc makes them, by way of the next map. Light lower than 2 degrees throws shadows as
     from there. A ray keeps mean and spread of the heights of its deepest cloud, and the mean heights of what
     lies before it and behind: inside of clouds under a sun lower than some 5 degrees the shade is rough.
     Where clouds touch, their fields add up and close the gap between them; here it stays open.
