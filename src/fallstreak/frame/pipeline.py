@@ -20,7 +20,7 @@ from fallstreak.sky.passes import Sky
 from fallstreak.terrain.passes import Terrain
 
 from .accumulate import Accumulate, still_jitter
-from .bloom import add_bloom
+from .bloom import add_bloom, bloom_share
 from .clouds import add_clouds
 from .exposure import Exposure, add_exposure_buffer
 from .gbuffer import add_gbuffer
@@ -90,7 +90,7 @@ class Pipeline:
         self.light = "frame.resolved" if temporal else "frame.accumulation"
         self.exposure = Exposure(graph, world.film, size)
         bloom = add_bloom(graph, world.film, quality, size)
-        ToneMap(graph, world.film, size, bits=bits, bloom=bloom)
+        ToneMap(graph, world.film, size, bits=bits, bloom=bloom, share=bloom_share(world.film, quality))
         self._fresh = False  # without `begin`, the graph's histories were restored
 
     def begin(self, state: FrameState) -> None:

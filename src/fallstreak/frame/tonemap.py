@@ -44,6 +44,8 @@ class ToneMap:
         Per channel of ``frame.ldr``.
     picture, bloom : str
         Textures; without bloom the lens is perfect.
+    share : float, optional
+        Of the light that is in `bloom`; the film's, if not given.
     """
 
     def __init__(
@@ -55,13 +57,14 @@ class ToneMap:
         bits: Literal[8, 16] = 8,
         picture: str = "frame.resolved",
         bloom: str | None = None,
+        share: float | None = None,
     ):
         graph.texture("frame.ldr", "rgba16uint" if bits == 16 else "rgba8unorm", size)
         self._uniform = graph.uniform("frame.film", FILM)
         power, saturation = model.AGX_LOOKS[film.look]
         dither = 1 / (2**bits - 1) if film.dither else 0.0
         self._uniform.set(
-            bloom=film.bloom,
+            bloom=film.bloom if share is None else share,
             dither=dither,
             power=power,
             saturation=saturation,

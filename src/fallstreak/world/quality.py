@@ -39,6 +39,7 @@ class Quality:
     cloud_tiles: float = 256.0  # of 16 x 16 texels, drawn anew in a frame
     cloud_near: int = 1  # texels of the clouds' picture to one of clouds about the camera, along a side
     # frame
+    bloom_first: int = 1  # finest level of glare, 2^-n of the picture's size: 1 or 2
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
     temporal: bool = True  # temporal anti-aliasing in sequences
     temporal_fast: bool = False  # by fewer taps: half the cost, a little softer when the camera moves
@@ -72,6 +73,7 @@ QUALITY: dict[str, Quality] = {
         cloud_cells=96,
         cloud_shadow=96,
         cloud_puffs=7000,
+        bloom_first=2,
         bloom_levels=6,
         temporal_fast=True,
         default_samples=1,
