@@ -316,7 +316,7 @@ def grid_values(
         spread = max(slab.soft, 0.2 * out["place"][i, 3])
         base = slab.low - (10.0 if lone else 0.5) * spread
         out["clip"][i] = (base, 1.0 / spread, 0.9 if lone else 1.0, 0.5 if lone else 1.0)
-        dense = float(np.clip(slab.extinction * out["place"][i, 3], *SHEET_DEPTHS))
+        dense = float(np.clip(slab.extinction * (grid.high - grid.low), *SHEET_DEPTHS))
         sheet = (_above(grid.cell, *SHEETS), _above(grid.cell, 1e3, 3e3)) if lone else (0.0, 0.0)
         out["sheet"][i] = (*sheet, dense, 0.5 if lone else 0.8)
         seed = (slab.seed + 0x9E3779B9 * (grid.level + 1)) & 0xFFFFFFFF
