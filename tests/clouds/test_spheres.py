@@ -10,7 +10,8 @@ from fallstreak.clouds import polar
 from fallstreak.clouds.field import field_of
 from fallstreak.clouds.shapes import load, shipped
 from fallstreak.clouds.spheres.atlas import TILE, sections
-from fallstreak.clouds.spheres.groups import MOST, group
+from fallstreak.clouds.spheres.groups import MOST, filled, group
+from fallstreak.clouds.spheres.passes import MOST_NEAR
 from fallstreak.world import QUALITY
 
 WORLD = {
@@ -45,6 +46,8 @@ def test_a_group_covers_its_model_and_stays_with_it(model):
     middle = spheres["centre"][:, :2] + turned
     assert np.hypot(*middle.T).max() < model.radius
     assert (spheres["centre"][:, 2] + spheres["offset"][:, 2]).max() < model.height
+    # sections hold it: about as much as the field's own bounds
+    assert ((filled(model, spheres) > 0.8) & (filled(model, spheres) < 1.35)).all()
 
 
 @pytest.mark.parametrize("quality", QUALITY.values(), ids=list(QUALITY))
@@ -117,6 +120,29 @@ def test_the_same_clouds_as_the_field(seen):
     overlap = (field & drawn).sum() / (field | drawn).sum()
     assert 0.1 < field[up].mean() < 0.9
     assert overlap > 0.7, f"IoU {overlap:.3f}"
+
+
+def test_the_nearest_clouds_are_drawn_and_always_the_same():
+    # within a closed layer more clouds are about the camera than there is room for
+    place = world(
+        clouds={
+            "technique": "spheres",
+            "layers": [{"genus": "stratocumulus", "coverage": 1.0, "size": 1.5}] * 4,
+        },
+        camera={"height": 1350.0},
+    )
+    pictures, near = [], []
+    for _ in range(2):
+        with fs.Renderer(place, (48, 32), "low", still=True, layers=("clouds",)) as renderer:
+            renderer.render()
+            pictures.append(np.array(renderer.graph.read("clouds.layer")))
+            about = np.array(renderer.graph.read("clouds.spheres.counts")).view(np.uint32)[0]
+            items = np.array(renderer.graph.read("clouds.spheres.items")).view(np.float32)[4:]
+            near.append(items.reshape(-1, 12)[:MOST_NEAR, :3].copy())
+    assert about > MOST_NEAR
+    assert (np.diff(np.linalg.norm(near[0], axis=1)) >= 0.0).all()
+    np.testing.assert_array_equal(*near)
+    np.testing.assert_array_equal(*pictures)
 
 
 def test_inside_agrees_with_the_picture():
