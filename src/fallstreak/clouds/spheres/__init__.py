@@ -5,18 +5,19 @@ What it is
     slowly morphing, melted into one another and eaten by the field's noise. Each cloud in sight has a section
     of its own in two atlases: its normals, its surface's depth and light. A section is drawn anew only before
     it would look old. In the picture a cloud is one rectangle that looks its section up, displaced by
-    one turbulence (ragged edges), with normals turned by a second (cotton), in light that wraps all around;
+    one turbulence (ragged edges), with its surface tilted by a second (cotton), in light that wraps all around;
     light and shade are mixed in a polar colour space (`polar.wesl`, one folder up).
     Clouds have a definite inside: where `world.clouds.inside` says so, the camera sees fog, at once.
 
 The way of a frame, all on the GPU
-    ``clouds.spheres.gather``  clouds in sight, and those about the camera
-    ``clouds.spheres.rank``    from near to far
-    ``clouds.spheres.assign``  who has which section; what is drawn anew: the most outdated
-    ``clouds.spheres.pose``    the spheres of those as they stand now
-    ``clouds.spheres.trace``   rays through the spheres of a section: surface, normals, light
-    ``clouds.spheres.near``    the same for the picture itself, of clouds about the camera, in each frame
-    ``clouds.spheres.draw``    one rectangle a cloud, far to near; then those about the camera, then fog
+    ``gather``                 clouds in sight, and those about the camera
+    ``by_distance``, ``nearest``  their order; those about the camera for which there is room
+    ``assign``                 who has which section; what is drawn anew: the most outdated
+    ``pose``                   the spheres of those as they stand now
+    ``trace``                  rays through the spheres of a section: surface, normals, light
+    ``near_tiles``, ``near``   the same for the picture itself, of clouds about the camera, in each frame
+    ``place``, ``cores``       what a cloud's pixels share; how far away the nearest solid cloud is
+    ``draw``                   one rectangle a cloud, far to near; then those about the camera, then fog
 
 Source
     "Glider" (2024): groups of sphere meshes in two 4k atlases, turbulence on look-up and normal, light and
@@ -25,8 +26,7 @@ Source
     OKLCh: B. Ottosson 2020, "A perceptual color space for image processing".
 
 Limits
-    Clouds that overlap are laid over each other whole, by the distance of their middles. No clouds beyond the
-    field's window of cells.
+    Twelve clouds about the camera. No clouds beyond the field's window of cells.
 """
 
 from .passes import Spheres
