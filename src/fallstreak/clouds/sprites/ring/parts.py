@@ -56,7 +56,8 @@ def by_side(radius: float, farthest: float) -> list[Step]:
     ----------
     radius, farthest : m, of the ring, and of clouds
     """
-    edges = np.geomspace(radius, max(farthest, 1.5 * radius), SLICES + 1)
+    # as many sprites in each: so their number grows with distance
+    edges = np.linspace(radius**1.5, max(farthest, 1.5 * radius) ** 1.5, SLICES + 1) ** (1.0 / 1.5)
     edges[0], edges[-1] = 0.0, inf
     slices = [(float(a), float(b)) for a, b in itertools.pairwise(edges)][::-1]
     return [(Part(side, slices[k], first=k == 0),) for side in range(SIDES) for k in range(SLICES)]
