@@ -5,8 +5,8 @@ What it is
     slowly morphing, melted into one another and eaten by the field's noise. Each cloud in sight has a section
     of its own in two atlases: its normals, its surface's depth and light. A section is drawn anew only before
     it would look old. In the picture a cloud is one rectangle that looks its section up, displaced by
-    one turbulence (ragged edges), with its surface tilted by a second (cotton), in light that wraps all around;
-    light and shade are mixed in a polar colour space (`polar.wesl`, one folder up).
+    one turbulence (ragged edges), with its surface tilted by a second (cotton), in light that wraps all
+    around; light and shade are mixed in a polar colour space (`polar.wesl`, one folder up).
     Clouds have a definite inside: where `world.clouds.inside` says so, the camera sees fog, at once.
 
 The way of a frame, all on the GPU
