@@ -9,6 +9,14 @@ import numpy as np
 import fallstreak as fs
 
 TECHNIQUES = ("sprites", "puffs", "spheres")
+# m east and north, degrees
+PUFF_PLACES = (
+    (0.0, 0.0, 20.0),
+    (90e3, 40e3, 110.0),
+    (-80e3, 70e3, 200.0),
+    (30e3, -100e3, 290.0),
+    (-60e3, -50e3, 65.0),
+)
 SMALL = (320, 180)
 
 
@@ -188,10 +196,19 @@ def _puffs(report):
         "visibility 160 km": {},
         "from 400 km up": {"camera.height": 4e5, "camera.pitch": -25.0},
     }
+    # a short view may be all gap: several places stand for the sky
+    places = [
+        {"camera.east": east, "camera.north": north, "camera.heading": heading}
+        for east, north, heading in PUFF_PLACES
+    ]
     for name, changes in views.items():
-        _, _, counts = _frames(base.updated(changes), size=SMALL, warm=3, count=1)
-        drawn[name] = counts["drawn"]
-        report.add(f"puffs drawn, {name}", counts["drawn"], "", goal="<= 30000", how="hundred_miles")
+        each = [
+            _frames(base.updated({**changes, **place}), size=SMALL, warm=1, count=1)[2]["drawn"]
+            for place in places
+        ]
+        drawn[name] = float(np.mean(each))
+        how = f"hundred_miles, mean of five places from {min(each)} to {max(each)}"
+        report.add(f"puffs drawn, {name}", drawn[name], "", goal="<= 30000", how=how)
     middle = (max(drawn.values()) + min(drawn.values())) / 2
     report.add(
         "puffs drawn: how far the extremes are from their middle",
@@ -212,11 +229,13 @@ def _puffs(report):
     )
     ways = {
         "60 frames at 150 m/s": {"camera.keyframes": [{"at": 0, "north": 0.0}, {"at": 2, "north": 300.0}]},
+        # away from the sun, whose disc would be the largest change where thin cloud leaves it
         "240 frames from 2 to 400 km": {
+            "camera.heading": 95.0,
             "camera.keyframes": [
                 {"at": 8 * i / 48, "height": 2e3 * 200 ** (i / 48), "pitch": -7 - 23 * i / 48}
                 for i in range(49)
-            ]
+            ],
         },
     }
     for name, changes in ways.items():
