@@ -85,6 +85,16 @@ def test_light_passes_alike_whatever_the_size(device, extinction):
     assert np.abs(errors).max() < 0.05
 
 
+@pytest.mark.parametrize("height", [80e3, 400e3])
+def test_from_high_above_there_are_patches(device, height):
+    """Some of even a thin sheet hides the land and some does not: it is no veil, and as much light passes."""
+    stage = PuffStage(device, slab=Slab(1000.0, 1600.0, 0.0015, (0.0, 0.0), 7), size=(64, 64))
+    opacity = stage.draw(height=height, pitch=-90.0, fov=40.0)[..., 3]
+    print(f"\nopacity from {height:.0f} m: {opacity.mean():.2f} +- {opacity.std():.2f}")
+    assert opacity.std() > 0.18
+    assert abs(opacity.mean() - (1.0 - np.exp(-0.9))) < 0.1
+
+
 def test_buckets_out_of_sight_cost_nothing(device):
     culled, every = PuffStage(device, heap=3000.0), PuffStage(device, heap=3000.0, everywhere=True)
     headings = np.arange(0.0, 360.0, 45.0)
