@@ -137,6 +137,22 @@ def stand(tmp_path_factory):
     return SimpleNamespace(world=world, cloud=cloud, frames=found, start=start, rays=rays)
 
 
+@pytest.mark.parametrize("technique", TECHNIQUES)
+def test_one_flies_into_a_cloud_and_never_sees_through_it(stand, technique):
+    cloud, steps = stand.cloud, 24
+    east, north = (float(v) for v in cloud.place)
+    way = [{"at": cloud.whole, "north": north - 850.0}, {"at": cloud.whole + steps, "north": north - 370.0}]
+    pose = {"east": east + 40.0, "height": cloud.middle - 100.0, "pitch": 0.0, "fov": 60.0, "keyframes": way}
+    world = stand.world.updated(
+        {"clouds.technique": technique, "models": [], "camera": {"above": "sea", **pose}}
+    )
+    with fs.Renderer(world, (48, 32), "low", fps=1.0, still=True, layers=("clouds",)) as renderer:
+        seen = [float(renderer.render(cloud.whole + step).clouds.mean()) for step in range(steps + 1)]
+    print(f"\n{technique}: {np.round(seen, 2)}")
+    assert np.diff(seen).min() > -0.1
+    assert seen[-1] > 0.98
+
+
 @pytest.mark.parametrize("technique", ("puffs", "spheres"))
 def test_more_clouds_are_not_more_calls(stand, technique):
     """Of sprites `test_sprites` says so."""
