@@ -235,3 +235,12 @@ def test_albedo_is_natural_and_keeps_its_mean_with_distance(device, scene):
     means = np.array(means)
     assert (means > 0.01).all() and (means < 0.35).all()
     assert (np.abs(means / means[0] - 1.0) < 0.12).all()
+
+
+def test_materials_are_mixed_only_where_the_mesh_is(ground):
+    ground.draw(*VIEWS["hill"])
+    seen = ground.read(DEPTH).reshape(-1) > 0.0
+    assert 0.1 < seen.mean() < 0.95
+    albedo = ground.read("gbuffer.albedo").reshape(-1, 4)
+    assert albedo[seen].max(1).min() > 0
+    assert albedo[~seen].max() == 0
