@@ -32,6 +32,8 @@ class Clouds:
     quality : Quality
     size : (int, int)
         Of the picture, pixels.
+    accumulated : bool
+        A frame is the mean of samples, its quality counts more than its time.
 
     Attributes
     ----------
@@ -47,8 +49,17 @@ class Clouds:
         In a frame, whether it is the first of a sequence: what was drawn before has nothing to do with it.
     """
 
-    def __init__(self, graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int]):
+    def __init__(
+        self,
+        graph: FrameGraph,
+        world: World,
+        quality: Quality,
+        size: tuple[int, int],
+        *,
+        accumulated: bool = False,
+    ):
         self.graph, self.world, self.quality, self.picture = graph, world, quality, size
+        self.accumulated = accumulated
         self.any = bool(world.clouds.layers)
         self.fresh = False
         if not self.any:

@@ -77,7 +77,7 @@ class Pipeline:
         self.sky = Sky(graph.device, graph, world, quality, size)
         self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
-        self.clouds = Clouds(graph, world, quality, size)
+        self.clouds = Clouds(graph, world, quality, size, accumulated=not temporal)
         shadows = self.clouds.any and self.clouds.shadow is not None
         add_lighting(graph, world, quality, size, clouds=shadows)
         add_clouds(graph, self.clouds)

@@ -53,7 +53,8 @@ class Sprites:
             graph.buffer_data("clouds.sprites.paint", paint(self._models, 1.0, 0.0))
         self._scope = graph.uniform("clouds.sprites.scope", SPRITE_SCOPE)
         self._scope.set(behind=1e9)
-        with_ring = clouds.world.clouds.sprites.ring
+        # the ring saves time at the price of far clouds' sharpness
+        with_ring = clouds.world.clouds.sprites.ring and not clouds.accumulated
         self.ring = Ring(graph, clouds, self._scope, artist=self._artist) if with_ring else None
         add_sprites(graph, clouds, "clouds.sprites", artist=self._artist)
 
