@@ -189,13 +189,13 @@ def test_seams_of_the_octagon_are_not_seen():
     pictures = []
     for ring in (True, False):
         world = sky(camera__keyframes=headings, camera__fov=30.0, clouds__sprites__ring=ring)
-        with fs.Renderer(world, (160, 90), "low", fps=1, samples=1) as renderer:
+        with fs.Renderer(world, (160, 90), "low", fps=1) as renderer:
             pictures.append([renderer.render(k).ldr.astype(float) for k in range(8)])
     columns = np.abs(np.subtract(*pictures)).mean((1, 3))
     seams = columns[:, 78:82].mean(1)
     beside = np.concatenate([columns[:, 60:76], columns[:, 84:100]], 1)
     print(f"\nseams {np.round(seams, 2)}, beside {np.round(beside.mean(1), 2)}")
-    assert seams.mean() <= 1.2 * beside.mean()
+    assert 0.02 < seams.mean() <= 1.2 * beside.mean()
     assert (seams <= beside.max(1) + 1.0).all()
 
 
