@@ -81,6 +81,17 @@ def test_thick_clouds_throw_dark_shadows_and_leave_the_rest(clear):
     assert below.max() < 1.35 and np.percentile(below, 95) > 0.75
 
 
+def test_haze_under_an_overcast_sky_is_lit_by_the_clouds():
+    """Hills far away: the air before them gets what comes down on the land, and is less blue than in the sun."""
+    layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0, "extinction": 0.16}
+    clear, under = (ground(layers, pitch=0.0) for layers in ([], [layer]))
+    far = under[18:20].mean((0, 1)), clear[18:20].mean((0, 1))
+    near = under[-6:] @ LUMINANCE, clear[-6:] @ LUMINANCE
+    # light from half of all directions is a source twice as strong as a beam of as many lux
+    assert 1.0 < (far[0] @ LUMINANCE) / (far[1] @ LUMINANCE) / (near[0].mean() / near[1].mean()) < 3.0
+    assert far[0][2] / far[0][0] < 0.9 * far[1][2] / far[1][0]
+
+
 def test_clouds_without_shadows_leave_the_land_as_it_was(clear):
     layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0}
     assert ground([layer], shadows=False) == pytest.approx(clear, rel=5e-3)
