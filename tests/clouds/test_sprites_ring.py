@@ -119,7 +119,7 @@ def test_sides_are_drawn_far_first_and_whole():
     assert len(STEPS) == SIDES * SLICES
     for side in range(SIDES):
         parts = [part for step in STEPS for part in step if part.side == side]
-        assert [part.first for part in parts] == [True, False, False]
+        assert [part.first for part in parts] == [True, *[False] * (SLICES - 1)]
         assert parts[-1].distances[0] == 0.0
         assert parts[0].distances[1] == np.inf
         assert all(far.distances[0] == near.distances[1] for far, near in itertools.pairwise(parts))
@@ -197,6 +197,23 @@ def test_seams_of_the_octagon_are_not_seen():
     print(f"\nseams {np.round(seams, 2)}, beside {np.round(beside.mean(1), 2)}")
     assert 0.02 < seams.mean() <= 1.2 * beside.mean()
     assert (seams <= beside.max(1) + 1.0).all()
+
+
+def test_nobody_is_drawn_twice_while_one_comes_in():
+    """Shares of two rings that make 1 leave nothing to draw one by one but what a ring does not show."""
+    way = [{"at": 0, "north": 0.0}, {"at": 0.1, "north": 1700.0}]
+    world = sky(camera__keyframes=way)
+    drawn, weights = [], []
+    with fs.Renderer(world, (64, 36), "low", fps=30) as renderer:
+        for index in range(5 + 8 * SLICES + FADE):
+            renderer.render(index)
+            technique = renderer.pipeline.clouds.technique
+            if 0.0 < technique.ring.plan.weight < 1.0:
+                weights.append(technique.ring.plan.weight)
+                drawn.append(technique.counts()["clouds"])
+    _, direct = played(world.updated({"clouds.sprites.ring": False}), 4, (64, 36))
+    assert len(weights) == FADE - 1
+    assert max(drawn) < 0.3 * direct["clouds"]
 
 
 def test_frames_repeat():

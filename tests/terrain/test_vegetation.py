@@ -234,6 +234,20 @@ def test_far_above_the_ground_plants_cost_nothing(device):
         assert meadow.surface().any() or not expected
 
 
+def test_impostors_get_their_pictures_before_they_are_drawn(device):
+    """All in a first frame that may come near soon; on the way down from far one kind a frame; none twice."""
+    ways = {"near": (150.0, 150.0, 150.0, 20.0), "down": (5000.0, 200.0, 190.0, 180.0, 170.0, 20.0)}
+    baked = {}
+    for name, way in ways.items():
+        meadow, baked[name] = Meadow(device, radius=60.0), []
+        for above in way:
+            meadow.draw(0.0, 0.0, above, 0.0, -10.0, above=above)
+            ran = meadow.graph.stats()["passes"]
+            baked[name].append(sum(p["ran"] for p in ran if p["name"].endswith(".bake")))
+    kinds = sum(s.kind.tile is not None for s in meadow.plants.stands)
+    assert baked == {"near": [kinds, 0, 0, 0], "down": [0, *[1] * kinds, *[0] * (5 - kinds)]}
+
+
 def test_the_feet_stand_on_the_ground_that_is_drawn(device):
     """Looked at from above, a foot is as deep as the mesh of the bare ground there."""
     world = fs.load("jacksboro", overrides=["terrain.extent=20000"])

@@ -106,7 +106,7 @@ class Sprites(Section):
     )
     ring_update: Literal["side", "block"] = choice(
         "side",
-        doc="How a new ring is drawn: side by side, a third in each frame, or one block of 16 km² a frame.",
+        doc="How a new ring is drawn: side by side, a quarter in each frame, or one block of 16 km² a frame.",
     )
     density: Number = quantity(1.0, ge=0.1, le=4.0, doc="Number of sprites in a cloud, 1 = its model's.")
 

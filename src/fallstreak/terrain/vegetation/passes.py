@@ -25,6 +25,10 @@ VIEWS = 8
 PERIOD = 64.0
 """s; every sway repeats itself after this time, see plant.wesl."""
 
+START, AHEAD = 4.0, 2.0
+"""So many times as high over the ground as plants are drawn from, their impostors' pictures are made in the
+first frame, and in later ones."""
+
 _SQUARE = 8  # cells along a side of what one workgroup looks at
 _COLOR = ("gbuffer.albedo", "gbuffer.normal", "gbuffer.surface", "gbuffer.motion")
 _LAST_MIP = 4
@@ -76,6 +80,10 @@ class Vegetation:
         self._struct = plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
         self._near, self._above = True, 0.0
+        self._first = True
+        # kinds whose impostors have no pictures yet, and those that get them in this frame
+        self._unmade = [i for i, s in enumerate(self.stands) if s.kind.tile is not None]
+        self._making: list[int] = []
         self._reach = [[0.0] * LEVELS for _ in self.stands]
         self._light = graph.uniforms.get("sky.light")
         self._cover_level = cover_level or (lambda radius: 0)
@@ -227,6 +235,10 @@ class Vegetation:
             first=stand.first[2],
             leaf_layer=kind.leaf,
         )
+
+        def making() -> bool:
+            return index in self._making
+
         for part in ("looks", "shapes"):
             graph.texture(f"{name}.{part}", "rgba8unorm", size, mips=_LAST_MIP + 1, persistent=True)
         graph.texture(f"{name}.depth", "depth32float", size, persistent=True)
@@ -246,7 +258,7 @@ class Vegetation:
             instances=VIEWS**2,
             structs=[IMPOSTOR],
             constants={"VIEWS": VIEWS, "BARK_LAYER": cards.BARK},
-            when=_never,
+            when=making,
         )
         maker = MipMaker.of(graph.device)
 
@@ -261,7 +273,7 @@ class Vegetation:
             reads=[f"{name}.looks:mip0", f"{name}.shapes:mip0"],
             writes=written,
             record=mips,
-            when=_never,
+            when=making,
         )
         graph.render(
             f"{name}2",
@@ -296,12 +308,29 @@ class Vegetation:
         """Whether anything may be within its radius."""
         return self._near
 
+    def _made_ahead(self, away: float) -> list[int]:
+        """Kinds whose impostors' pictures a frame makes though nobody draws them yet.
+
+        All at the start, which takes its time anyhow, when plants may come near soon; one a frame later on.
+        `away`: the camera's height over that at which plants are drawn. Near, the graph makes what it reads.
+        """
+        first, self._first = self._first, False
+        made: list[int] = []
+        if away < 1.0:
+            self._unmade = []
+        elif self._unmade and away < (START if first else AHEAD):
+            made = self._unmade if first else self._unmade[:1]
+            self._unmade = self._unmade[len(made) :]
+        return made
+
     def update(self, state: FrameState, above: float = 0.0) -> None:
         """Set the uniform of a frame; `above` is the camera's height over the ground, m."""
         if not self.stands:
             return
         # ground elsewhere may be higher than below the camera, but hardly by as much as it is away
-        self._above, self._near = above, above < 2.0 * max(s.radius for s in self.stands)
+        reach = 2.0 * max(s.radius for s in self.stands)
+        self._above, self._near = above, above < reach
+        self._making = self._made_ahead(above / reach)
         east, north = map_coordinates(state.camera.position, state.planet_radius)
         pixel = 2.0 * np.tan(0.5 * state.camera.fov) / state.size[1]
         windows, grids, levels = [], [], []
@@ -335,8 +364,3 @@ class Vegetation:
 def _sun_shade(sine: float) -> float:
     """Of the sun's light that crowns take on its way down into a dense wood: the more the lower it stands."""
     return 0.28 + 0.67 * (1.0 - exp(-0.15 / max(sine, 0.02)))
-
-
-def _never() -> bool:
-    """For the pictures of the impostors: they are made once, before somebody draws them."""
-    return False

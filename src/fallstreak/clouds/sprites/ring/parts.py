@@ -12,7 +12,7 @@ import numpy as np
 from ..scope import BLOCK
 
 SIDES = 8
-SLICES = 3
+SLICES = 4
 """In how many parts a side is drawn, by distance."""
 WIDEST = 1.0
 """Blocks are taken together to squares as wide as they are far away, times that."""
