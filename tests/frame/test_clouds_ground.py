@@ -82,7 +82,7 @@ def test_thick_clouds_throw_dark_shadows_and_leave_the_rest(clear):
 
 
 def test_haze_under_an_overcast_sky_is_lit_by_the_clouds():
-    """Hills far away: the air before them gets what comes down on the land, and is less blue than in the sun."""
+    """Hills far away: the air before them gets what comes down on the land; less blue than in the sun."""
     layer = {"genus": "stratus", "coverage": 1.0, "base": 2500.0, "extinction": 0.16}
     clear, under = (ground(layers, pitch=0.0) for layers in ([], [layer]))
     far = under[18:20].mean((0, 1)), clear[18:20].mean((0, 1))

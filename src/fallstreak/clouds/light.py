@@ -103,6 +103,22 @@ def layer_passes_sky(depth: ArrayLike) -> Array:
     return 1 / (1 + 0.75 * (1 - G) * np.asarray(depth, float))
 
 
+def facing_within(upright: ArrayLike, along: ArrayLike) -> Array:
+    """`facing` of a place within a cloud, for `key_light`.
+
+    Parameters
+    ----------
+    upright, along : array-like
+        Optical depths of the whole lines through the cloud there, straight up and towards the light.
+
+    Returns
+    -------
+    ndarray
+        1 in a ball; in a wide layer the sine of the light's elevation, at least 0.1.
+    """
+    return np.clip(np.asarray(upright, float) / np.maximum(np.asarray(along, float), 1e-3), 0.1, 1.0)
+
+
 def ambient_share(depth_above: ArrayLike, depth_below: ArrayLike) -> Array:
     """Share of the sky in a piece's ambient light, 0..1; the ground has the rest.
 
@@ -136,8 +152,8 @@ def line_depths(
 
     Each box counts as its ellipsoid cut off at the base. Where stretches overlap, together they are no longer
     than from the first's beginning to the last's end: for two boxes exact, for the shipped models as good as
-    their true union. Against the integral of the field's density without noise: 0.15 to 0.25 of the mean,
-    root mean square.
+    their true union. Against the integral of the field's density without noise: deeper by a fifth to a
+    quarter (humilis, which is mostly soft edge, by nearly half), 0.4 of the mean root mean square (0.6).
 
     Parameters
     ----------
