@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from fallstreak.clouds.field.volume import volume
 from fallstreak.clouds.frame import CLOUD_FRAME, frame_values
 from fallstreak.clouds.puffs.levels import Slab
-from fallstreak.clouds.puffs.passes import PuffPasses
+from fallstreak.clouds.puffs.passes import PUFF_BYTES, PuffPasses
 from fallstreak.gpu import VIEW, Device, FrameGraph
 from fallstreak.world.state import (
     CameraState,
@@ -24,26 +23,14 @@ from fallstreak.world.state import (
 RADIUS = 6_360_000.0
 NOW = datetime(2025, 6, 1, tzinfo=UTC)
 PUFF = np.dtype(
-    [
-        ("centre", "<f4", 3),
-        ("depth", "<f4"),
-        ("right", "<f4", 3),
-        ("dark", "<f4"),
-        ("over", "<f4", 3),
-        ("bright", "<f4"),
-        ("noise", "<f4", 3),
-        ("ambient", "<f4"),
-        ("noise_right", "<f4", 3),
-        ("eaten", "<f4"),
-        ("noise_over", "<f4", 3),
-        ("look", "<u4"),
-        ("key", "<f4", 3),
-        ("distance", "<f4"),
-        ("radius", "<f4"),
-        ("spare", "<f4", 3),
-        ("octaves", "<f4", 4),
-    ]
+    {
+        "names": ["centre", "depth", "right", "near", "distance"],
+        "formats": [("<f4", 3), "<f4", ("<f4", 3), "<f4", "<f4"],
+        "offsets": [0, 12, 16, 28, 140],
+        "itemsize": PUFF_BYTES,
+    }
 )
+"""Some of a puff, see ``puff.wesl``."""
 
 
 class PuffStage:
@@ -69,7 +56,6 @@ class PuffStage:
         graph.texture("gbuffer.depth", "depth32float", size)
         sky = {"depth": "gbuffer.depth", "fragment": None, "vertices": 0}
         graph.render("stage.depth", "package::gpu::fullscreen", **sky)
-        graph.texture_data("clouds.noise", volume(), "rgba8unorm", dimension="3d")
         self.puffs = PuffPasses(
             graph,
             (self.slab,),

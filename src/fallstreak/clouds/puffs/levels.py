@@ -33,8 +33,12 @@ FLAT_ROWS = 2
 """Of up to so many rows of cells one above the other, blocks are 8 × 8 × 1 cells, else 4 × 4 × 4."""
 
 
-BILLOWS, FBM = 0, 1
-"""Channels of the noise, see `field.volume`."""
+FBM = (0.0, 1.0, 0.0, 0.0)
+FIBRES = (0.0, 0.0, 0.0, 1.0)
+"""Shares of the noise's channels, see `field.volume`."""
+
+NEAR = 3.5
+"""Puffs smaller than so many times the lumps of their clouds show these, larger ones patches of noise."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +60,10 @@ class Slab:
     seed : int
     cover : float
         Part of the sky that its clouds cover.
-    channel : int
-        Of the noise that frays its small puffs.
+    look : (float, float, float, float)
+        Shares of the noise's channels in what frays its clouds.
     body : float
-        m, half the size of its clouds' parts; puffs that hold several have fBm for billows.
+        m, half the size of its clouds' parts.
     along : (float, float)
         Along its clouds' fibres; the shorter, the longer these are.
     """
@@ -72,7 +76,7 @@ class Slab:
     core: tuple[float, float] | None = None
     soft: float = 50.0
     cover: float = 1.0
-    channel: int = FBM
+    look: tuple[float, float, float, float] = FBM
     body: float = 0.0
     along: tuple[float, float] = (1.0, 0.0)
 
@@ -222,6 +226,11 @@ def grids(slabs: tuple[Slab, ...], ends: np.ndarray, height: float, farthest: fl
     return found
 
 
+def looks(slabs: tuple[Slab, ...]) -> list[tuple[float, float, float, float]]:
+    """The noise of small and of large puffs, layer by layer; of the latter values must be spread evenly."""
+    return [look for slab in slabs for look in (slab.look, FIBRES if slab.look[3] > 0.5 else FBM)]
+
+
 def grid_struct(count: int) -> Struct:
     """What the shaders are told of up to `count` grids."""
     return Struct(
@@ -232,9 +241,10 @@ def grid_struct(count: int) -> Struct:
             ("reach", f"array<vec4f, {count}>", "m: appears between (x, y), is gone between (z, w)"),
             ("slab", f"array<vec4f, {count}>", "m: lowest, highest matter; lowest bucket's floor; bucket"),
             ("noise", f"array<vec4f, {count}>", "camera in the noise, repeats; 1/m"),
-            ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; the noise's channel; its long axis"),
+            ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; which noise; its long axis"),
             ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height of puffs; how far rows vary"),
             ("sheet", f"array<vec4f, {count}>", "a sheet from wherever, from above; its depth; jitter"),
+            ("near", f"array<vec4f, {count}>", "1: small puffs, which know their cloud's surface; nothing"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
             ("oblique", "mat3x3f", "axes of the noise"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
@@ -286,6 +296,7 @@ def grid_values(
         "look": np.zeros((count, 4)),
         "clip": np.zeros((count, 4)),
         "sheet": np.zeros((count, 4)),
+        "near": np.zeros((count, 4)),
         "info": np.zeros((count, 4), np.uint32),
     }
     for i, grid in enumerate(found):
@@ -309,8 +320,9 @@ def grid_values(
         still = camera[:2] - drift
         at = OBLIQUE @ np.array([still @ along, still @ across, camera[2]]) / tile
         out["noise"][i] = (*(at % 1.0), 1.0 / tile)
-        channel = slab.channel if slab.channel != BILLOWS or grid.cell < 2.5 * slab.body else FBM
-        out["look"][i] = (slab.extinction, channel, *along)
+        small = grid.cell < NEAR * slab.body
+        out["near"][i, 0] = small
+        out["look"][i] = (slab.extinction, 2 * grid.layer + (not small), *along)
         # a single row holds whole clouds, which have no common base
         lone = grid.rows == 1
         spread = max(slab.soft, 0.2 * out["place"][i, 3])
@@ -318,7 +330,7 @@ def grid_values(
         out["clip"][i] = (base, 1.0 / spread, 0.9 if lone else 1.0, 0.5 if lone else 1.0)
         dense = float(np.clip(slab.extinction * (grid.high - grid.low), *SHEET_DEPTHS))
         sheet = (_above(grid.cell, *SHEETS), _above(grid.cell, 1e3, 3e3)) if lone else (0.0, 0.0)
-        out["sheet"][i] = (*sheet, dense, 0.5 if lone else 0.8)
+        out["sheet"][i] = (*sheet, dense, 0.4 if small else 0.5 if lone else 0.8)
         seed = (slab.seed + 0x9E3779B9 * (grid.level + 1)) & 0xFFFFFFFF
         out["info"][i] = (grid.layer, grid.rows, grid.blocks, seed)
     out["oblique"] = OBLIQUE

@@ -11,7 +11,8 @@ from ...world.state import FrameState, map_coordinates
 from ..frame import CLOUD_FRAME
 from ..order import add_order
 from ..shadow import CLOUD_SHADOW
-from .levels import FLAT_ROWS, SIZES, Grid, Slab, fineness_of, grid_struct, grid_values, grids, reaches
+from ..sprites.grain import grain
+from .levels import FLAT_ROWS, SIZES, Grid, Slab, fineness_of, grid_struct, grid_values, grids, looks, reaches
 
 if TYPE_CHECKING:
     from ..passes import Clouds
@@ -20,6 +21,7 @@ MOST_BLOCKS = 32768
 MOST_FOUND = 65536
 MOST_DRAWN = 30000
 MOST_WANTED = 18000  # where clouds are dense, more are in sight
+PUFF_BYTES = 272
 _VERTICES = 3  # of a puff: a triangle about its disc
 _MATTER = "package::clouds::puffs::matter"
 
@@ -88,7 +90,7 @@ def _slab(layer: Any, filled: np.ndarray) -> Slab:
         core=(float(core[0]), float(core[1])),
         soft=max(layer.base_spread, 0.5 * layer.soft),
         cover=layer.coverage,
-        channel=int(np.argmax(genus.look)),
+        look=genus.look,
         body=layer.body,
         along=(float(along[0]), float(along[1])),
     )
@@ -100,7 +102,7 @@ class PuffPasses:
     Parameters
     ----------
     graph : FrameGraph
-        Holds ``view``, ``clouds.frame``, ``clouds.layer``, ``clouds.noise`` and ``gbuffer.depth``.
+        Holds ``view``, ``clouds.frame``, ``clouds.layer`` and ``gbuffer.depth``.
     slabs : tuple of Slab
         The layers.
     size : (int, int)
@@ -147,6 +149,7 @@ class PuffPasses:
             "VERTICES": _VERTICES,
             "LAYER_SIZE": size,
             "MATTER": matter,
+            "GRAINS": float(2 * len(slabs)),
             **(constants or {}),
         }
         common: dict[str, Any] = {"structs": structs, "constants": constants}
@@ -160,7 +163,8 @@ class PuffPasses:
         graph.buffer("clouds.puffs.arguments", 32, usage=("indirect",), persistent=True)
         graph.buffer("clouds.puffs.blocks", 16 * MOST_BLOCKS)
         graph.buffer("clouds.puffs.found", 16 + 32 * MOST_FOUND, usage=("indirect",), persistent=True)
-        graph.buffer("clouds.puffs.puffs", 144 * MOST_FOUND)
+        graph.buffer("clouds.puffs.puffs", PUFF_BYTES * MOST_FOUND)
+        graph.texture_data("clouds.puffs.grain", grain(looks(slabs)), "rgba8unorm", dimension="3d")
         graph.buffer("clouds.puffs.keys", 8 * MOST_FOUND)
 
         def add(name: str, **options: Any) -> None:
@@ -222,7 +226,7 @@ class PuffPasses:
                 "view": "view",
                 "puffs": "clouds.puffs.puffs",
                 "order": order,
-                "noise": "clouds.noise",
+                "grain": "clouds.puffs.grain",
                 "repeat": "sampler:linear-repeat",
                 "scene": "gbuffer.depth",
             },
