@@ -49,6 +49,7 @@ class ClipmapPasses:
     half : m, half the width of the quadtree: a power of two that holds the map
     levels : of the clipmap
     range : the most widths away that a node can be drawn and lie in its level's window
+    finest : level, of use from the camera of the last `move`
     constants, flags : what shaders that look into the clipmap need
     """
 
@@ -76,6 +77,7 @@ class ClipmapPasses:
         self.levels = min(self.levels, round(log2(2.0 * self.half / (grid * self.spacing))) - 1)
         self.clip = Clipmap(self.spacing, tiles, self.levels, model.extent)
         self._extent = model.extent
+        self.finest = 0
         self._jobs = {kind: graph.uniform(f"terrain.{kind}_jobs", CLIP_JOBS) for kind in _KINDS}
         self._new: dict[str, np.ndarray] = {kind: np.zeros(0, np.uint32) for kind in _KINDS}
         graph.uniform("terrain.land", LAND).set(**land_values(world.terrain))
@@ -171,6 +173,7 @@ class ClipmapPasses:
         finest = int(np.clip(floor(log2(max(0.5 * footprint, 1e-6) / self.spacing)), 0, self.levels - 1))
         away = hypot(east, north)
         inside = min(1.0, self._extent / away) if away > 0.0 else 1.0
+        self.finest = finest
         if self.clip.move(east * inside, north * inside, finest):
             for kind in _KINDS:
                 self._new[kind] = self.clip.jobs(kind)

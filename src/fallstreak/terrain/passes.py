@@ -17,6 +17,7 @@ from .land.shape import land_values
 from .materials import add_materials, ground_constants
 from .model import COARSE, SEED, TerrainModel, terrain_model
 from .near import NearGround
+from .profile import Profile
 from .vegetation import Vegetation, tree_radius
 from .water import add_water, slope_variance, water_constants
 
@@ -72,10 +73,12 @@ class Terrain:
             "SEA_ROUGHNESS": slope_variance(world.terrain.wind) ** 0.25,
         }
         self.clip: ClipmapPasses | None = None
+        self.profile: Profile | None = None
         self.vegetation: Vegetation | None = None
         if self.model.land is not None:
             self._near = NearGround(self.model)
             self.clip = ClipmapPasses(graph, self.model, world, quality, size, planet)
+            self.profile = Profile.of(self.clip)
             add_materials(graph)
             self._add_ground(graph, world, quality, size, show)
             self.vegetation = Vegetation.on_clipmap(graph, world, quality, self.clip)

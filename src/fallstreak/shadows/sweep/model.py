@@ -1,0 +1,141 @@
+"""The swept shadow height on the CPU, float64; and rays through the same ground, to check it by."""
+
+from __future__ import annotations
+
+from math import cos, hypot, radians, sin, tan
+
+import numpy as np
+
+DISC = radians(0.2665)
+"""Radius of sun and moon."""
+
+
+def swept(
+    heights: np.ndarray,
+    spacing: float,
+    azimuth: float,
+    elevation: float,
+    radius: float | None = None,
+    disc: float = DISC,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Heights under which the light's disc is hidden, at the samples of a grid.
+
+    Lines along the azimuth lie in a sheared grid: at row i of the major axis line j has the minor coordinate
+    (j + slope i) mod n; two running maxima fall by the tangents of the disc's lower and upper edge.
+
+    Parameters
+    ----------
+    heights : (n, n)
+        m, rows run north, columns east.
+    spacing : float
+        m between samples.
+    azimuth, elevation : float
+        rad, of the light; clockwise from north, above the plane that touches the planet in the grid's middle.
+    radius : float, optional
+        m, of the planet; without it the land is flat.
+    disc : float
+        rad, radius of the light's disc.
+
+    Returns
+    -------
+    upper, lower : (n, n)
+        m: from `upper` on all of the disc is seen, below `lower` nothing. What comes from outside of the grid
+        is not known: there they are low.
+    """
+    n = len(heights)
+    drop = _drop(n, spacing, radius)
+    ground = heights - drop
+    way = np.array([sin(azimuth), cos(azimuth)])
+    northern = abs(way[1]) > abs(way[0])
+    if not northern:
+        ground = ground.T  # rows along the major axis
+    major, minor = (way[1], way[0]) if northern else (way[0], way[1])
+    slope = minor / major
+    step = spacing * hypot(1.0, slope)
+    fall = step * np.tan([[elevation - disc], [elevation + disc]])
+    lines = np.arange(n)
+    shadow = np.full((2, n), -1e6)
+    out = np.empty((2, n, n))
+    strip = None
+    for i in range(n - 1, -1, -1) if major > 0 else range(n):
+        along = lines + slope * i
+        now = np.floor(along / n)
+        if strip is not None:
+            shadow[:, now != strip] = -1e6  # came in over the side
+        strip = now
+        place = along - now * n
+        low = np.minimum(place.astype(int), n - 1)
+        high = np.minimum(low + 1, n - 1)
+        here = ground[i, low] + (place - low) * (ground[i, high] - ground[i, low])
+        # back to the samples: the lines to both sides of each
+        line = lines - slope * i
+        left = np.floor(line).astype(int)
+        part = line - left
+        out[:, i] = (1.0 - part) * shadow[:, left % n] + part * shadow[:, (left + 1) % n]
+        shadow = np.maximum(shadow, here) - fall
+    if not northern:
+        out = out.swapaxes(1, 2)
+    return out[0] + drop, out[1] + drop
+
+
+def land_light(height: np.ndarray, upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
+    """Share of the disc that is seen from heights, 0..1."""
+    t = np.clip((height - lower) / np.maximum(upper - lower, 1e-3), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+def rays(
+    heights: np.ndarray,
+    spacing: float,
+    azimuth: float,
+    elevation: float,
+    radius: float | None = None,
+    step: float = 0.5,
+) -> np.ndarray:
+    """Whether the disc's middle is seen from each sample, by rays through the bilinear ground.
+
+    Parameters
+    ----------
+    heights, spacing, azimuth, elevation, radius
+        As for `swept`.
+    step : float
+        Of a ray, in samples.
+
+    Returns
+    -------
+    (n, n) bool
+    """
+    n = len(heights)
+    drop = _drop(n, spacing, radius)
+    ground = heights - drop
+    way = np.array([sin(azimuth), cos(azimuth)])
+    y, x = (grid.ravel().astype(float) for grid in np.mgrid[0:n, 0:n])
+    ray = ground.ravel().copy()
+    seen = np.ones(n * n, bool)
+    alive = np.arange(n * n)
+    rise = step * spacing * tan(elevation)
+    highest = ground.max()
+    travelled = 0
+    while alive.size:
+        travelled += 1
+        px, py = x[alive] + way[0] * step * travelled, y[alive] + way[1] * step * travelled
+        inside = (px >= 0) & (py >= 0) & (px <= n - 1) & (py <= n - 1)
+        z = ray[alive] + rise * travelled
+        inside &= z <= highest
+        alive, px, py, z = alive[inside], px[inside], py[inside], z[inside]
+        i, j = np.minimum(px.astype(int), n - 2), np.minimum(py.astype(int), n - 2)
+        fx, fy = px - i, py - j
+        south = ground[j, i] + fx * (ground[j, i + 1] - ground[j, i])
+        north = ground[j + 1, i] + fx * (ground[j + 1, i + 1] - ground[j + 1, i])
+        hit = south + fy * (north - south) > z + 1e-9
+        seen[alive[hit]] = False
+        alive = alive[~hit]
+    return seen.reshape(n, n)
+
+
+def _drop(n: int, spacing: float, radius: float | None) -> np.ndarray:
+    """m by which the planet sinks below the plane that touches it in the grid's middle."""
+    if radius is None:
+        return np.zeros((n, n))
+    along = (np.arange(n) - 0.5 * (n - 1)) * spacing
+    return (along[:, None] ** 2 + along**2) / (2.0 * radius)

@@ -1,0 +1,67 @@
+"""What of the ground those need who walk over its heights on the GPU: the clipmap's, without its passes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..gpu import Struct
+from .frame import TERRAIN_FRAME
+
+if TYPE_CHECKING:
+    from .clipmap_passes import ClipmapPasses
+
+MODULE = "package::terrain::profile"
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Heights of the clipmap's levels, as another system's pass takes them.
+
+    Its shader imports ``height_between`` of `module` by the constant ``GROUND``.
+
+    Attributes
+    ----------
+    tiles : int
+        Width of every level's window, in tiles of 32 samples.
+    spacing : float
+        m, between samples of level 0; of the next twice as much each.
+    levels : int
+    bind, structs, constants, flags
+        Of the module, for ``FrameGraph.compute``.
+    """
+
+    clip: ClipmapPasses = field(repr=False)
+    tiles: int
+    spacing: float
+    levels: int
+    bind: dict[str, str]
+    structs: tuple[Struct, ...]
+    constants: dict[str, Any]
+    flags: dict[str, bool]
+
+    @classmethod
+    def of(cls, clip: ClipmapPasses) -> Profile:
+        """The profile of a clipmap."""
+        return cls(
+            clip,
+            clip.clip.tiles,
+            clip.spacing,
+            clip.levels,
+            {"terrain": "terrain.frame", "shapes": "terrain.shape", "shifts": "terrain.shift"},
+            (TERRAIN_FRAME,),
+            {**clip.constants, "GROUND": MODULE},
+            {"SHIFT": clip.flags["SHIFT"]},
+        )
+
+    @property
+    def windows(self) -> np.ndarray:
+        """First tile (east, north) of each level's window in this frame, (levels, 2) int32."""
+        return self.clip.clip.windows[: self.levels, :2]
+
+    @property
+    def finest(self) -> int:
+        """Finest level that is held in this frame; the finer ones are of no use from there."""
+        return self.clip.finest
