@@ -23,30 +23,13 @@ CLOUD_FRAME = Struct(
 )
 
 
-def key_light(light: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Unit direction towards sun or moon, whichever lights the clouds.
-
-    Clouds twelve kilometres up lose the sun when it stands some 3.5 degrees under the horizon; the moon takes
-    over later, where neither shows.
-
-    Parameters
-    ----------
-    light : record of ``sky.light``
-    up : (3,), the vertical at the camera
-    """
-    sun = np.asarray(light["sun_direction"], np.float64)
-    moon = np.asarray(light["moon_direction"], np.float64)
-    moonlit = float(np.asarray(light["moon_illuminance"])[1]) > 0.0
-    return moon if float(up @ sun) < np.sin(np.radians(-7.0)) and moonlit else sun
-
-
 def frame_values(state: FrameState, *, visibility: float, key: np.ndarray) -> dict[str, Any]:
     """Every field of `CLOUD_FRAME` for a frame.
 
     Parameters
     ----------
     visibility : m
-    key : (3,), see `key_light`
+    key : (3,), see `world.state.key_light`
     """
     return {
         "camera_map": map_coordinates(state.camera.position, state.planet_radius),

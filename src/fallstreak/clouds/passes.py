@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..gpu import FrameGraph
-from .frame import CLOUD_FRAME, frame_values, key_light
+from ..world.state import key_light
+from .frame import CLOUD_FRAME, frame_values
 
 if TYPE_CHECKING:
     from ..world import World

@@ -26,11 +26,18 @@ _LINEAR = "sampler:linear-clamp"
 
 
 def add_lighting(
-    graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int], *, clouds: bool = False
+    graph: FrameGraph,
+    world: World,
+    quality: Quality,
+    size: tuple[int, int],
+    *,
+    clouds: bool = False,
+    shadows: bool = False,
 ) -> None:
     """Write luminance times exposure into ``frame.hdr`` wherever something was drawn.
 
-    `clouds`: there is a ``clouds.shadow``, and light comes past clouds.
+    `clouds`: there is a ``clouds.shadow``, and light comes past clouds. `shadows`: there is a
+    ``shadows.light``, and it comes past land and things.
     """
     add_brdf_table(graph)
     view, light = graph.uniforms["view"].record, graph.uniforms["sky.light"].record
@@ -63,6 +70,7 @@ def add_lighting(
         "shadow": "clouds.shadow_frame",
         "shadow_map": "clouds.shadow",
         "overhead": "clouds.overhead",
+        "shadow_light": "shadows.light",
     }
     forms = {
         "frame.lighting": ({"MOON": False, "FAR": False}, lambda: not far() and not moon()),
@@ -78,7 +86,12 @@ def add_lighting(
             depth_compare="less",
             depth_write=False,
             bind=bind,
-            flags={**flags, "REFLECTION": _has_mirrors(world) and not flags["FAR"], "CLOUDS": clouds},
+            flags={
+                **flags,
+                "REFLECTION": _has_mirrors(world) and not flags["FAR"],
+                "CLOUDS": clouds,
+                "SHADOWS": shadows,
+            },
             structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
             when=when,
         )

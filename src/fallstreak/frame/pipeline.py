@@ -1,7 +1,7 @@
 """One frame from end to end: which passes there are, between which resources.
 
-    G-buffer (terrain, models) → lighting → sky, moon, stars → clouds → temporal or accumulated anti-aliasing
-    → exposure meter → bloom → tone map
+    G-buffer (terrain, models) → shadows → lighting → sky, moon, stars → clouds → temporal or accumulated
+    anti-aliasing → exposure meter → bloom → tone map
 
 The systems and the parts of the frame add their own passes; the graph finds the order. This file only says
 who takes part.
@@ -16,6 +16,7 @@ import numpy as np
 from fallstreak.clouds.passes import Clouds
 from fallstreak.gpu import EXPOSURE, FrameGraph
 from fallstreak.models.passes import Models
+from fallstreak.shadows.passes import Shadows
 from fallstreak.sky.passes import Sky
 from fallstreak.terrain.passes import Terrain
 
@@ -78,8 +79,9 @@ class Pipeline:
         self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
         self.clouds = Clouds(graph, world, quality, size, accumulated=not temporal)
-        shadows = self.clouds.any and self.clouds.shadow is not None
-        add_lighting(graph, world, quality, size, clouds=shadows)
+        self.shadows = Shadows(graph, world, quality, size, terrain=self.terrain, models=self.models)
+        past_clouds = self.clouds.any and self.clouds.shadow is not None
+        add_lighting(graph, world, quality, size, clouds=past_clouds, shadows=self.shadows.any)
         add_clouds(graph, self.clouds)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast, clouds=self.clouds.any)
@@ -97,6 +99,7 @@ class Pipeline:
         """Forget all history: the next frame is the first."""
         self.exposure.begin(self.sky.sun_elevation(state))
         self.clouds.begin()
+        self.shadows.begin()
         self._fresh = True
 
     def update(self, state: FrameState, *, delta: float, instant: bool) -> None:
@@ -113,6 +116,7 @@ class Pipeline:
         self.terrain.update(state)
         self.models.update(state)
         self.clouds.update(state)
+        self.shadows.update(state)
         self.exposure.update(delta, instant=instant)
         if isinstance(self._resolve, Temporal):
             self._resolve.update(reset=self._fresh)

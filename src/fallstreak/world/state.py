@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -223,3 +224,20 @@ def _to_world(p: np.ndarray, camera: CameraState) -> np.ndarray:
     inverse[3, 2] = 1.0 / p[2, 3]
     inverse[:3] = camera.rotation @ inverse[:3]
     return inverse
+
+
+def key_light(light: Any, up: np.ndarray) -> np.ndarray:
+    """Unit direction towards sun or moon, whichever throws shadows and lights the clouds.
+
+    Clouds twelve kilometres up lose the sun when it stands some 3.5 degrees under the horizon; the moon takes
+    over later, where neither shows.
+
+    Parameters
+    ----------
+    light : record of the uniform ``sky.light``
+    up : (3,), the vertical at the camera
+    """
+    sun = np.asarray(light["sun_direction"], np.float64)
+    moon = np.asarray(light["moon_direction"], np.float64)
+    moonlit = float(np.asarray(light["moon_illuminance"])[1]) > 0.0
+    return moon if float(up @ sun) < np.sin(np.radians(-7.0)) and moonlit else sun

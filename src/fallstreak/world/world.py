@@ -26,6 +26,7 @@ from .film import Film
 from .models import Model, check_names
 from .place import Place
 from .planet import PRESETS, Planet
+from .shadows import Shadows
 from .sky import Sky
 from .terrain import PRESETS as LANDS
 from .terrain import Terrain, with_paths
@@ -83,6 +84,7 @@ class World(Section):
     sky: Sky = table(Sky, "Air, sun, moon and stars.")
     terrain: Terrain = table(Terrain, "The ground.")
     clouds: Clouds = table(Clouds, "Layers of clouds, and how they are drawn.")
+    shadows: Shadows = table(Shadows, "Shadows of land and things.")
     camera: Camera = table(Camera, "Where the picture is taken from.")
     film: Film = table(Film, "Exposure and tone.")
     models: tuple[Model, ...] = choice((), max_length=256, doc="Things: glTF models that stand or move.")

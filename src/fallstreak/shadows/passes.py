@@ -1,0 +1,98 @@
+"""Shadows in a frame: the land's, the things', and the picture of both that lighting reads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..gpu import FrameGraph
+from .frame import SHADOWS, shadow_values
+from .sweep import Sweep
+
+if TYPE_CHECKING:
+    from ..world import World
+    from ..world.quality import Quality
+    from ..world.state import FrameState
+
+
+class Shadows:
+    """Shadows as passes of a frame graph; nothing where a world wants none.
+
+    Writes ``shadows.light``.
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        Must hold ``view``, the G-buffer and ``sky.light``.
+    world : World
+    quality : Quality
+    size : (int, int)
+        Of the picture, pixels.
+    terrain : Terrain
+    models : Models
+
+    Attributes
+    ----------
+    any : bool
+        False: nothing is declared.
+    """
+
+    def __init__(
+        self,
+        graph: FrameGraph,
+        world: World,
+        quality: Quality,
+        size: tuple[int, int],
+        *,
+        terrain: Any,
+        models: Any,
+    ):
+        settings = world.shadows
+        self._fresh = True
+        self.sweep: Sweep | None = None
+        if settings.technique == "stable" and terrain.profile is not None:
+            self.sweep = Sweep(graph, terrain.profile)
+        self.any = self.sweep is not None
+        if not self.any:
+            return
+        self._settings = settings
+        self._light = graph.uniforms["sky.light"]
+        self._frame = graph.uniform("shadows.frame", SHADOWS)
+        bind = {
+            "view": "view",
+            "shadows": "shadows.frame",
+            "depth_buffer": "gbuffer.depth",
+            "normal_buffer": "gbuffer.normal",
+            "repeat": "sampler:linear-repeat",
+        }
+        structs, constants = [SHADOWS], {}
+        if self.sweep is not None:
+            bind |= self.sweep.bind
+            structs += self.sweep.structs
+            constants |= self.sweep.constants
+        graph.texture("shadows.light", "rg8unorm", size)
+        graph.render(
+            "shadows.light",
+            "package::shadows::light",
+            color=["shadows.light"],
+            depth="gbuffer.depth",
+            depth_compare="less",
+            depth_write=False,
+            bind=bind,
+            structs=structs,
+            constants=constants,
+            flags={"LAND": self.sweep is not None, "CONTACT": settings.contact > 0.0},
+        )
+
+    def begin(self) -> None:
+        """Forget all history: the next frame is the first."""
+        self._fresh = True
+
+    def update(self, state: FrameState) -> None:
+        """Tell everybody of the frame to be rendered; after sky and terrain."""
+        if not self.any:
+            return
+        values, key = shadow_values(state, self._light.record, self._settings.contact)
+        self._frame.set(**values)
+        if self.sweep is not None:
+            self.sweep.update(key, state, self._fresh)
+        self._fresh = False
