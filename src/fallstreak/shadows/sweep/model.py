@@ -17,11 +17,12 @@ def swept(
     elevation: float,
     radius: float | None = None,
     disc: float = DISC,
+    first: tuple[int, int] = (0, 0),
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heights under which the light's disc is hidden, at the samples of a grid.
 
     Lines along the azimuth lie in a sheared grid: at row i of the major axis line j has the minor coordinate
-    (j + slope i) mod n; two running maxima fall by the tangents of the disc's lower and upper edge.
+    (j + phase + slope i) mod n; two running maxima fall by the tangents of the disc's lower and upper edge.
 
     Parameters
     ----------
@@ -35,6 +36,8 @@ def swept(
         m, of the planet; without it the land is flat.
     disc : float
         rad, radius of the light's disc.
+    first : (int, int)
+        The grid's first sample in the world, east and north: lines stand still there, wherever the grid lies.
 
     Returns
     -------
@@ -46,14 +49,15 @@ def swept(
     drop = _drop(n, spacing, radius)
     ground = heights - drop
     way = np.array([sin(azimuth), cos(azimuth)])
-    northern = abs(way[1]) > abs(way[0])
+    northern = bool(abs(way[1]) > abs(way[0]))
     if not northern:
         ground = ground.T  # rows along the major axis
     major, minor = (way[1], way[0]) if northern else (way[0], way[1])
     slope = minor / major
     step = spacing * hypot(1.0, slope)
     fall = step * np.tan([[elevation - disc], [elevation + disc]])
-    lines = np.arange(n)
+    phase = (slope * first[northern] - first[not northern]) % 1.0
+    lines = np.arange(n) + phase
     shadow = np.full((2, n), -1e6)
     out = np.empty((2, n, n))
     strip = None
@@ -68,7 +72,7 @@ def swept(
         high = np.minimum(low + 1, n - 1)
         here = ground[i, low] + (place - low) * (ground[i, high] - ground[i, low])
         # back to the samples: the lines to both sides of each
-        line = lines - slope * i
+        line = np.arange(n) - phase - slope * i
         left = np.floor(line).astype(int)
         part = line - left
         out[:, i] = (1.0 - part) * shadow[:, left % n] + part * shadow[:, (left + 1) % n]
@@ -90,9 +94,10 @@ def rays(
     azimuth: float,
     elevation: float,
     radius: float | None = None,
-    step: float = 0.5,
+    step: float = 0.25,
+    at: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Whether the disc's middle is seen from each sample, by rays through the bilinear ground.
+    """Whether the disc's middle is seen, by rays through the bilinear ground.
 
     Parameters
     ----------
@@ -100,19 +105,26 @@ def rays(
         As for `swept`.
     step : float
         Of a ray, in samples.
+    at : (m, 3), optional
+        From where: column, row, m above sea level. Without it from each sample.
 
     Returns
     -------
-    (n, n) bool
+    (m,) or (n, n) bool
     """
     n = len(heights)
     drop = _drop(n, spacing, radius)
     ground = heights - drop
     way = np.array([sin(azimuth), cos(azimuth)])
-    y, x = (grid.ravel().astype(float) for grid in np.mgrid[0:n, 0:n])
-    ray = ground.ravel().copy()
-    seen = np.ones(n * n, bool)
-    alive = np.arange(n * n)
+    if at is None:
+        y, x = (grid.ravel().astype(float) for grid in np.mgrid[0:n, 0:n])
+        start = ground.ravel()
+    else:
+        x, y = at[:, 0], at[:, 1]
+        away = np.hypot(x - n // 2, y - n // 2) * spacing
+        start = at[:, 2] - (0.0 if radius is None else away**2 / (2.0 * radius))
+    seen = np.ones(len(start), bool)
+    alive = np.arange(len(start))
     rise = step * spacing * tan(elevation)
     highest = ground.max()
     travelled = 0
@@ -120,7 +132,7 @@ def rays(
         travelled += 1
         px, py = x[alive] + way[0] * step * travelled, y[alive] + way[1] * step * travelled
         inside = (px >= 0) & (py >= 0) & (px <= n - 1) & (py <= n - 1)
-        z = ray[alive] + rise * travelled
+        z = start[alive] + rise * travelled
         inside &= z <= highest
         alive, px, py, z = alive[inside], px[inside], py[inside], z[inside]
         i, j = np.minimum(px.astype(int), n - 2), np.minimum(py.astype(int), n - 2)
@@ -130,12 +142,12 @@ def rays(
         hit = south + fy * (north - south) > z + 1e-9
         seen[alive[hit]] = False
         alive = alive[~hit]
-    return seen.reshape(n, n)
+    return seen.reshape(n, n) if at is None else seen
 
 
 def _drop(n: int, spacing: float, radius: float | None) -> np.ndarray:
     """m by which the planet sinks below the plane that touches it in the grid's middle."""
     if radius is None:
         return np.zeros((n, n))
-    along = (np.arange(n) - 0.5 * (n - 1)) * spacing
+    along = (np.arange(n) - n // 2) * spacing
     return (along[:, None] ** 2 + along**2) / (2.0 * radius)

@@ -74,9 +74,6 @@ class Sweep:
         What a shader needs that looks up.
     """
 
-    bind = {"sweep": "shadows.sweep_frame", "sweep_map": "shadows.sweep"}
-    structs = (SWEEP,)
-
     def __init__(self, graph: FrameGraph, profile: Any):
         self._graph, self._profile = graph, profile
         tiles = min(profile.tiles, MOST_TILES)
@@ -89,6 +86,8 @@ class Sweep:
         self._frame = graph.uniform("shadows.sweep_frame", SWEEP)
         self._job = graph.uniform("shadows.sweep_job", SWEEP_JOB)
         self._due = False
+        self.bind = {"sweep": "shadows.sweep_frame", "sweep_map": "shadows.sweep"}
+        self.structs = (SWEEP,)
         self.constants = {
             "SWEEP_SPACING": float(profile.spacing),
             "SWEEP_WIDTH": width,
