@@ -5,6 +5,7 @@ Python's share of a frame is one uniform: cells, instances and draw arguments ar
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import ceil, cos, exp, floor, log2, radians, sin
 from typing import Any
 
@@ -16,6 +17,7 @@ from ...world.state import FrameState, map_coordinates
 from ..cover import palette as cover_palette
 from ..frame import TERRAIN_FRAME
 from . import cards
+from .casters import add_casters, caster_rooms
 from .flora import FLORA, affinity
 from .stands import IMPOSTOR, LEVELS, Stand, index_count, plants_struct, stands_of
 
@@ -92,9 +94,61 @@ class Vegetation:
         drawn = cards.cards({cards.BARK, *(s.kind.leaf for s in self.stands)})
         graph.texture_data("plants.cards", drawn, "rgba8unorm", dimension="2d-array", mips=True)
         graph.buffer_data("plants.square", np.array([0, 1, 2, 2, 1, 3], np.uint32), usage=("index",))
+        self._ground = {
+            "module": ground,
+            "bind": bind or {},
+            "constants": constants or {},
+            "flags": flags or {},
+        }
         self._add_placement(graph, ground, bind or {}, constants or {}, flags or {})
         for index, stand in enumerate(self.stands):
             self._add_draws(graph, index, stand)
+
+    @property
+    def casts(self) -> bool:
+        """Whether anything may throw a shadow in this frame."""
+        return bool(self.stands) and self._near
+
+    def add_casters(
+        self,
+        graph: FrameGraph,
+        name: str,
+        *,
+        view: str,
+        depth: str,
+        when: Callable[[], bool],
+        order: float = 0.0,
+    ) -> None:
+        """Declare passes that draw plants and stones into a map seen along the light.
+
+        Parameters
+        ----------
+        name : str
+            First part of the names of the passes and buffers declared here.
+        view : str
+            A `VIEW` uniform: the camera's values but for ``clip_from_world``, the light's orthographic
+            matrix of positions relative to the camera, depth 1 nearest to the light and 0 farthest, and
+            ``size``, the map's. What stands before the near side is put on it.
+        depth : str
+            The map.
+        when : callable
+            Whether the map is due; asked every frame.
+        """
+        if not self.stands:
+            return
+        add_casters(
+            graph,
+            name,
+            self.stands,
+            view=view,
+            depth=depth,
+            when=lambda: self.casts and when(),
+            order=order,
+            plants=self._struct,
+            squares=sum(a * a for a in self._across),
+            views=VIEWS,
+            ground=self._ground,
+        )
 
     @classmethod
     def on_clipmap(cls, graph: FrameGraph, world: Any, quality: Any, clip: Any) -> Vegetation:
@@ -233,6 +287,7 @@ class Vegetation:
             half_height=1.02 * mesh.reach,
             tile_height=kind.tile[1],
             first=stand.first[2],
+            caster=caster_rooms(self.stands)[index][0],
             leaf_layer=kind.leaf,
         )
 

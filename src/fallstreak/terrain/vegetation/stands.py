@@ -49,6 +49,7 @@ IMPOSTOR = Struct(
         ("half_height", "f32", "the same"),
         ("tile_height", "f32", "rows of a picture"),
         ("first", "u32", "place of the kind's first instance"),
+        ("caster", "u32", "and of its first one that throws a shadow"),
         ("leaf_layer", "i32", "of the cards, that of its leaves"),
     ],
 )
