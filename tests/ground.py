@@ -51,7 +51,11 @@ class Ground:
         if self.terrain.clip is not None:
             names = ("nodes", "workgroups", "heights", "bounds", *CLIPMAP)
             self.graph.output(*(f"terrain.{name}" for name in names))
+        self.declare_more()
         self.graph.compile()
+
+    def declare_more(self):
+        """For a test that needs more in the graph."""
 
     def state(self, east, north, above, heading, pitch, fov=50.0):
         radius = self.world.planet.radius

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ground import Ground
 
 from fallstreak.frame.gbuffer import COLOR, DEPTH, add_gbuffer
 from fallstreak.gpu import VIEW, FrameGraph
@@ -171,3 +172,58 @@ def test_nothing_runs_that_is_not_due(device):
     ran = {p["name"]: p["ran"] for p in shade.graph.stats()["passes"]}
     assert not any(ran[name] for name in ran if name.startswith("shade."))
     assert np.array_equal(before, shade.map())
+
+
+# ---- the ground's mesh -----------------------------------------------------------------------------------
+
+
+class ShadingGround(Ground):
+    def declare_more(self):
+        self.light = self.graph.uniform("light", VIEW)
+        self.graph.texture("map", "depth32float", (TEXELS, TEXELS), persistent=True)
+        self.terrain.add_casters(self.graph, "shade", view="light", depth="map", when=lambda: True)
+        self.graph.output("map")
+
+    def draw_along(self, axes, half, *view):
+        state = self.state(*view)
+        self.light.set(
+            **view_values(state) | {"clip_from_world": light_matrix(axes, half), "size": (TEXELS, TEXELS)}
+        )
+        return self.draw(*view)
+
+    def seen(self, state):
+        """Camera-relative places of the pixels that show ground (n, 3)."""
+        width, height = state.size
+        depth = self.read("gbuffer.depth").reshape(height, width).astype(float)
+        row, column = np.nonzero(depth > 0)
+        clip = np.stack(
+            [
+                2 * (column + 0.5) / width - 1,
+                1 - 2 * (row + 0.5) / height,
+                depth[row, column],
+                np.ones(len(row)),
+            ]
+        )
+        at = np.linalg.inv(view_values(state)["clip_from_world"].astype(float)) @ clip
+        return (at[:3] / at[3]).T
+
+
+@pytest.mark.parametrize("elevation", [80.0, 35.0])
+def test_the_mesh_that_shades_is_the_one_that_is_seen(device, elevation):
+    """No point that is seen lies nearer to the light than the map says; most lie on it."""
+    ground = ShadingGround(device)
+    axes, half = light_axes(elevation, 200.0), 400.0
+    state = ground.draw_along(axes, half, -5200.0, 3100.0, 60.0, 10.0, -40.0)
+    places = ground.seen(state)
+    clip = places @ (axes / half)[:2].T
+    inside = (np.abs(clip) < 0.95).all(1)
+    along = places[inside] @ axes[2]
+    x, y = clip[inside].T
+    depth = ground.read("map").reshape(TEXELS, TEXELS)
+    held = depth[((1 - y) / 2 * TEXELS).astype(int), ((x + 1) / 2 * TEXELS).astype(int)]
+    away = (held - 0.5) * 2.0 * RANGE - along
+    texel = 2.0 * half / TEXELS
+    assert inside.sum() > 2000
+    assert np.all(held > 0)
+    assert away.min() > -4.0 * texel and np.median(np.abs(away)) < 0.5 * texel
+    assert (np.abs(away) < 2.0 * texel).mean() > 0.9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cos, floor, hypot, log2, sin, sqrt, tan
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..gpu import Device, FrameGraph
 from ..world.state import FrameState, map_coordinates
+from .casters import add_casters
 from .clipmap_passes import MIN_RANGE, ClipmapPasses
 from .cover import palette as cover_palette
 from .frame import TERRAIN_FRAME
@@ -111,6 +113,7 @@ class Terrain:
             groups=(1, 1, 1),
             structs=[TERRAIN_FRAME],
             constants=constants,
+            flags={"ALL_ROUND": False},
         )
         graph.compute(
             "terrain.heights",
@@ -198,6 +201,37 @@ class Terrain:
             structs=[TERRAIN_FRAME],
             constants={"RINGS": RINGS, "SECTORS": SECTORS, **planet},
             order=1,
+        )
+
+    def add_casters(
+        self,
+        graph: FrameGraph,
+        name: str,
+        *,
+        view: str,
+        depth: str,
+        when: Callable[[], bool],
+        order: float = 0.0,
+    ) -> None:
+        """Declare passes that draw the ground's mesh, as fine as it is seen, into a map seen along the light.
+
+        Parameters
+        ----------
+        name, view, depth, when
+            As of `Vegetation.add_casters`.
+        """
+        if self.clip is None:
+            return
+        add_casters(
+            graph,
+            name,
+            view=view,
+            depth=depth,
+            when=when,
+            order=order,
+            grid=self._grid,
+            constants={**self.clip.constants, "GRID": self._grid},
+            flags=self.clip.flags,
         )
 
     def update(self, state: FrameState) -> None:
