@@ -169,3 +169,17 @@ def test_inside_agrees_with_the_picture():
                 (layer[:, 3] > 0.98).all() and np.ptp(code) < 0.01 and code.max() * 24.0 < np.log2(400.0)
             )
         assert fog == expected, point
+
+
+def test_the_shadow_side_of_a_tower_tells_how_deep_it_is():
+    """Against the light thin lobes glow and the thick middle is dark; crevices have less of the sky."""
+    place = fs.load("towering", ["clouds.technique=spheres"])
+    with fs.Renderer(place, (160, 90), "medium", still=True, samples=1, layers=("clouds",)) as renderer:
+        renderer.render()
+        size = renderer.pipeline.clouds.size
+        layer = np.array(renderer.graph.read("clouds.layer")).view(np.float16).reshape(size[1], size[0], 4)
+    tower = layer[size[1] // 6 : size[1] * 7 // 10, size[0] // 6 : size[0] * 11 // 20].astype(float)
+    tower = tower[tower[..., 3] > 0.9]
+    key, sky = (np.percentile(tower[:, i] / tower[:, 3], [10, 90]) for i in range(2))
+    assert key[1] > 2.0 * key[0]
+    assert sky[1] > 1.5 * sky[0]
