@@ -54,7 +54,7 @@ def test_puffs_stay_where_they_are_as_the_camera_moves(device):
     second, puffs = world_places(stage, north=1500.0, east=-700.0, height=2500.0, pitch=-20.0)
     distance = np.linalg.norm(second[:, None] - first[None], axis=2).min(1)
     same = distance < 1e-5 * puffs["distance"] + 0.01
-    assert same.mean() > 0.4
+    assert same.mean() > 0.35
     # nothing is just a little off its place
     spacing = np.linalg.norm(puffs["right"], axis=1)
     assert not ((distance < 0.02 * spacing) & ~same).any()

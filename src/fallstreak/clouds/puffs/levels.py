@@ -20,6 +20,9 @@ SIZES = tuple(10.0 ** (0.5 * i) for i in range(13))
 FADE = 0.3
 """The last part of a size's reach, over which the next takes over."""
 
+FINER = 0.8
+"""How much further sizes of 100 and 300 m reach, which show the shapes of clouds: at the cost of far ones."""
+
 LEAST_DEPTH = 0.004
 """Optical depth of a puff that nobody sees: such sizes are left out, and the next reaches further in."""
 
@@ -39,6 +42,8 @@ FIBRES = (0.0, 0.0, 0.0, 1.0)
 
 NEAR = 3.5
 """Puffs smaller than so many times the lumps of their clouds show these, larger ones patches of noise."""
+NEAR_FLAT = 1.2
+"""The same of the lumps' width, where clouds are one row of puffs."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,8 @@ class Slab:
         Shares of the noise's channels in what frays its clouds.
     body : float
         m, half the size of its clouds' parts.
+    across : float
+        m, half the width of these: of sheets and fibres much more.
     along : (float, float)
         Along its clouds' fibres; the shorter, the longer these are.
     """
@@ -78,6 +85,7 @@ class Slab:
     cover: float = 1.0
     look: tuple[float, float, float, float] = FBM
     body: float = 0.0
+    across: float = 0.0
     along: tuple[float, float] = (1.0, 0.0)
 
 
@@ -136,8 +144,10 @@ def reaches(fineness: float | np.ndarray) -> np.ndarray:
     (13,) or (..., 13)
     """
     sizes = np.array(SIZES)
-    t = np.clip((np.log10(sizes) - 0.5) / 2.0, 0.0, 1.0)
-    return sizes * (10.0 + (np.asarray(fineness)[..., None] - 10.0) * t * t * (3.0 - 2.0 * t))
+    decades = np.log10(sizes)
+    t = np.clip((decades - 0.5) / 2.0, 0.0, 1.0)
+    finer = 1.0 + FINER * np.exp(-(((decades - 2.25) / 0.8) ** 2))
+    return sizes * (10.0 + (finer * np.asarray(fineness)[..., None] - 10.0) * t * t * (3.0 - 2.0 * t))
 
 
 def fineness_of(
@@ -244,7 +254,7 @@ def grid_struct(count: int) -> Struct:
             ("look", f"array<vec4f, {count}>", "1/m, of dense clouds; which noise; its long axis"),
             ("clip", f"array<vec4f, {count}>", "m, bases; 1/m, softness; height of puffs; how far rows vary"),
             ("sheet", f"array<vec4f, {count}>", "a sheet from wherever, from above; its depth; jitter"),
-            ("near", f"array<vec4f, {count}>", "1: small puffs, which know their cloud's surface; nothing"),
+            ("near", f"array<vec4f, {count}>", "1: small, know their cloud's surface; hold whole clouds"),
             ("info", f"array<vec4u, {count}>", "layer; rows; blocks along a bucket's side; seed"),
             ("oblique", "mat3x3f", "axes of the noise"),
             ("planet", "vec4f", "visible to the horizon: camera's share of the way, m; radius, m; unused"),
@@ -320,8 +330,8 @@ def grid_values(
         still = camera[:2] - drift
         at = OBLIQUE @ np.array([still @ along, still @ across, camera[2]]) / tile
         out["noise"][i] = (*(at % 1.0), 1.0 / tile)
-        small = grid.cell < NEAR * slab.body
-        out["near"][i, 0] = small
+        small = grid.cell < max(NEAR * slab.body, NEAR_FLAT * slab.across if grid.rows == 1 else 0.0)
+        out["near"][i] = small, _above(grid.cell, 2.0 * slab.body, 4.0 * slab.body), 0.0, 0.0
         out["look"][i] = (slab.extinction, 2 * grid.layer + (not small), *along)
         # a single row holds whole clouds, which have no common base
         lone = grid.rows == 1

@@ -92,8 +92,16 @@ def _slab(layer: Any, filled: np.ndarray) -> Slab:
         cover=layer.coverage,
         look=genus.look,
         body=layer.body,
+        across=_across(layer),
         along=(float(along[0]), float(along[1])),
     )
+
+
+def _across(layer: Any) -> float:
+    """Mean half width of the boxes of a layer's clouds, m."""
+    radius = 0.5 * (layer.radius[0] + layer.radius[1])
+    shares = [float(m.boxes["half"][:, :2].mean()) / m.radius for m in layer.models]
+    return radius * sum(shares) / len(shares)
 
 
 class PuffPasses:
