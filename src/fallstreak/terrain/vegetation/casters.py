@@ -1,8 +1,9 @@
 """The shadows of plants and stones, chosen all round the camera and drawn along the light.
 
-Few things are drawn, and cheaply: a plant is one square with the picture of it that looks along the light,
-whose depth it writes, so that crowns shade themselves and what stands behind them. A compute pass works out
-all that a square's corners need. Nothing sways: what a map holds may be kept for many frames.
+Few things are drawn, and cheaply: a plant is one square through its stem with the picture of it that looks
+along the light: what is behind it has none, the other half of its own crown too. A compute pass works out all
+that a square's corners need; squares near the light come first, so that they hide the others. Nothing sways:
+what a map holds may be kept for many frames.
 """
 
 from __future__ import annotations
@@ -156,7 +157,6 @@ def add_casters(
                     **bind,
                     "impostor": f"{kind}.impostor",
                     "looks": f"{kind}.looks",
-                    "shapes": f"{kind}.shapes",
                     "linear": "sampler:linear-clamp",
                 },
                 index="plants.square",
