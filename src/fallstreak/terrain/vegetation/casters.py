@@ -157,7 +157,6 @@ def add_casters(
                     **bind,
                     "impostor": f"{kind}.impostor",
                     "looks": f"{kind}.looks",
-                    "linear": "sampler:linear-clamp",
                 },
                 index="plants.square",
                 structs=[IMPOSTOR],
