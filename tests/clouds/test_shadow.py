@@ -228,6 +228,15 @@ def test_one_map_a_frame():
     assert flight.at(900.0, last + 60.0, elevation=30.0)[1] == set(range(MAPS))
 
 
+def test_a_camera_that_stands_still_has_few_maps_drawn():
+    flight = Flight()
+    flight.at(0.0, 0.0)
+    drawn = [flight.at(0.0, i / 30)[1] for i in range(1, 300)]
+    assert np.mean([len(due) for due in drawn]) < 0.25
+    assert max(map(len, drawn)) == 1  # never all at once
+    assert all(sum(number in due for due in drawn) >= 4 for number in range(MAPS))
+
+
 def test_maps_that_wait_drift_with_the_clouds():
     flight = Flight(wind=(8.0, 0.0))
     before, _ = flight.at(0.0, 0.0)

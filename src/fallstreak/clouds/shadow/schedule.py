@@ -17,6 +17,8 @@ FARTHEST = 0.03
 """Of a map's half size, by which the camera may leave its middle: half of what lies beyond its border."""
 TURN = 0.002
 """rad, by which the light may turn: 10 m for shadows that are thrown 5 km far."""
+ENOUGH = 0.05
+"""Texels by which a map may be behind: what drifts with the clouds anyway looks the same."""
 CHANGE = 3.0
 """m/s, with which clouds change shape: what makes a map old under a camera that stands still."""
 
@@ -32,7 +34,8 @@ class _Drawn:
 
 
 class Schedule:
-    """One map a frame, the one that is most texels behind; all that must not wait; all in a first frame.
+    """At most one map a frame, the one that is most texels behind, if that can be seen; all that must not wait;
+    all in a first frame.
 
     A map that is not drawn drifts with the clouds: its shadows go on moving, and when it is drawn again
     nothing jumps.
@@ -83,9 +86,9 @@ class Schedule:
             if drawn is not None and not fresh:
                 old[number] = self._behind(number, drawn, basis, camera, time, texels)
         self.due = {number for number in range(MAPS) if np.isinf(old[number])}
-        oldest = int(np.argmax(old))
-        if old[oldest] > 0.0:
-            self.due.add(oldest)
+        waits = [number for number in range(MAPS) if self._waits(number, old[number], time)]
+        if waits:
+            self.due.add(max(waits, key=lambda number: old[number]))
         for number, drawn in enumerate(self._drawn):
             if number in self.due or drawn is None:
                 self._drawn[number] = _Drawn(places[number], camera, basis, time)
@@ -94,6 +97,11 @@ class Schedule:
                 axes = np.eye(2) if number == MAPS - 1 else basis[:2, :2]
                 places[number] = np.concatenate([drawn.place[:2] + axes @ moved, drawn.place[2:]])
         return [tuple(place.tolist()) for place in places]
+
+    def _waits(self, number: int, behind: float, time: float) -> bool:
+        """Whether it is worth while to draw a map; before all have to be, in one frame."""
+        drawn = self._drawn[number]
+        return drawn is None or behind > ENOUGH or abs(time - drawn.time) > 0.5 * LONGEST
 
     def _behind(
         self, number: int, drawn: _Drawn, basis: np.ndarray, camera: np.ndarray, time: float, texels: int
