@@ -153,6 +153,25 @@ def test_making_ahead_leaves_histories_as_they_are(device):
     assert graph.read("count").max() == 2
 
 
+def test_a_pass_sees_in_its_turn_what_came_before_it(device):
+    """Veils one under the other; a look between two of them, and one at the end."""
+    graph = FrameGraph(device)
+    for name in ("veils", "between", "after"):
+        graph.texture(name, "rgba16float", (8, 8))
+    for order in (0.0, 2.0):
+        graph.fullscreen(f"veil{order}", MODULE, fragment="veil", color=["veils"], blend="under", order=order)
+    for name, turn in (("between", ["veils"]), ("after", [])):
+        graph.fullscreen(
+            name, MODULE, fragment="look", color=[name], bind={"veils": "veils"}, in_turn=turn, order=1.0
+        )
+    graph.output("between", "after")
+    graph.compile()
+    graph.execute()
+    seen = [np.array(graph.read(name)).view(np.float16).reshape(8, 8, 4) for name in ("between", "after")]
+    assert (seen[0] == [0.25, 0.5, 0.0, 0.5]).all()
+    assert (seen[1] == [0.375, 0.75, 0.0, 0.75]).all()
+
+
 def test_equal_pipelines_are_made_once(monkeypatch):
     device, made = Device.open(), []
     make = device.native.create_compute_pipeline

@@ -120,6 +120,7 @@ class FrameGraph(Declarations):
         depth_compare: str = "greater",
         depth_write: bool = True,
         depth_in_turn: bool = False,
+        in_turn: Sequence[str] = (),
         blend: str | None = None,
         topology: str = "triangle-list",
         cull: str = "none",
@@ -146,7 +147,10 @@ class FrameGraph(Declarations):
         depth_in_turn : bool
             A depth that is only tested is tested in this pass's turn among those that write it, not after all
             of them, and may not be bound.
-        blend : None, "add", "over" (premultiplied alpha) or "multiply"
+        in_turn : names
+            What of these is bound is what those made that come before this pass among the writers; else a
+            pass reads what all of them made.
+        blend : None, "add", "over" or "under" (premultiplied alpha, far to near or near to far), "multiply"
         indirect : str, optional
             Buffer with the draw's arguments from byte `indirect_offset` on; with `index` of an indexed draw.
         index, indices
@@ -163,6 +167,7 @@ class FrameGraph(Declarations):
         reads, writes = self._accesses(name, linked.bindings, bind)
         color_refs = [Ref.parse(c) for c in color]
         writes.extend(color_refs)
+        writes.extend(Ref.parse(text) for text in in_turn)
         depth_ref = Ref.parse(depth) if depth else None
         for ref in [*color_refs, *([depth_ref] if depth_ref else [])]:
             self._texture_decl(name, ref).usage |= res.RENDER_ATTACHMENT

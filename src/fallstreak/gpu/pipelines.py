@@ -23,6 +23,10 @@ _BLENDS: dict[str, dict[str, dict[str, str]]] = {
         "color": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
         "alpha": {"src_factor": "one", "dst_factor": "one-minus-src-alpha", "operation": "add"},
     },
+    "under": {
+        "color": {"src_factor": "one-minus-dst-alpha", "dst_factor": "one", "operation": "add"},
+        "alpha": {"src_factor": "one-minus-dst-alpha", "dst_factor": "one", "operation": "add"},
+    },
     "multiply": {
         "color": {"src_factor": "dst", "dst_factor": "zero", "operation": "add"},
         "alpha": {"src_factor": "dst-alpha", "dst_factor": "zero", "operation": "add"},

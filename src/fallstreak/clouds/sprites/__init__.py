@@ -15,8 +15,10 @@ How
     So sprites that overlap agree. Noise only shades it a little.
     Passes, as many for any number of clouds: ``select`` (clouds in sight), ``budget`` (how far there is room
     for all their sprites), ``expand`` (sprites as fine as their size on the screen asks for, those that the
-    cloud itself hides left out; their light), ``clouds/order``, one indirect draw (two where the ring lies
-    between). Far clouds are a few sprites, or one, by the same code.
+    cloud itself hides left out; their light), ``clouds/order``, ``deal`` and five indirect draws, near to far,
+    each laid under those before it (a sixth behind the ring). After each, ``closed`` marks by depth where
+    nothing behind is seen any more: there the rest is not shaded. Far clouds are a few sprites, or one, by
+    the same code.
 
 Limits
     At most 32,768 sprites; beyond that, far clouds are one sprite each. Overlapping sprites are blended one

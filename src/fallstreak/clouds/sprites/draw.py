@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from ...gpu import VIEW, FrameGraph
@@ -15,9 +14,15 @@ from .scope import RING_VIEW, SPRITE_SCOPE
 if TYPE_CHECKING:
     from ..passes import Clouds
 
+RING, BEHIND = 100.0, 101.0
+"""In the order of passes: when the ring is drawn, and what is behind it."""
+
 MOST = 32768
 """Sprites that are drawn at most."""
 BINS = 128
+BATCHES, FIRST, MORE = 5, 24, 3
+"""Sprites are drawn near to far in so many batches: `FIRST`, the next `MORE` times as many, …, the rest. They
+cover about as many pixels each. Where the picture is closed after one, nothing more is drawn."""
 SPRITE_BYTES, MARK_BYTES = 224, 48
 
 
@@ -35,7 +40,8 @@ def add_sprites(
     Parameters
     ----------
     graph : FrameGraph
-        Holds ``view``, ``clouds.frame``, and what `Sprites` declares.
+        Holds ``view``, ``clouds.frame``, what `Sprites` declares, and ``<name>.closed``: a depth as large as
+        what is drawn into.
     clouds : Clouds
     name : str
         Of the passes and what they make. Uniforms ``<name>.scope`` and, for the ring, ``<name>.view`` and
@@ -51,7 +57,7 @@ def add_sprites(
     cells = len(field.field.layers) * field.window**2
     kept = when is not None
     graph.buffer(f"{name}.work", 32, usage=("indirect",), persistent=True)
-    graph.buffer(f"{name}.draw", 64, usage=("indirect",), persistent=True)
+    graph.buffer(f"{name}.draw", 32 + 20 * (BATCHES + 1), usage=("indirect",), persistent=True)
     graph.buffer(f"{name}.wanted", 4 * BINS, persistent=kept)
     graph.buffer(f"{name}.chosen", 4 * cells, persistent=kept)
     graph.buffer(f"{name}.sprites", SPRITE_BYTES * MOST, persistent=kept)
@@ -77,6 +83,9 @@ def add_sprites(
     options: dict[str, Any] = {
         "structs": [VIEW, CLOUD_FRAME, CLOUD_SHADOW, RING_VIEW, SPRITE_SCOPE, *field.structs],
         "constants": {
+            "BATCHES": BATCHES,
+            "FIRST": FIRST,
+            "MORE": MORE,
             "BINS": BINS,
             "MOST": MOST,
             "DENSITY": float(clouds.world.clouds.sprites.density),
@@ -108,28 +117,40 @@ def add_sprites(
     add("select", (-(-cells // 64), 1, 1), seen)
     add("budget", (1, 1, 1))
     add("expand", own["work"], {"SHADOW": clouds.shadow is not None, "ARTIST": artist, **seen})
-    order = add_order(graph, name, keys=own["keys"], count=own["draw"], word=5, capacity=MOST, when=when)
+    order = add_order(graph, name, keys=own["keys"], count=own["draw"], word=0, capacity=MOST, when=when)
+    add("deal", (1, 1, 1))
     # nothing of a ring lies behind it
-    draws = (
-        (("draw", "paint", 0, 0.0),)
-        if ring
-        else (("behind", "paint_behind", 32, -1.0), ("draw", "paint", 0, 0.0))
-    )
-    for (light, colours, offset, rank), painted in product(draws, (False, True)[: 1 + artist]):
-        step, target = (colours, targets[1]) if painted else (light, targets[0])
-        graph.render(
-            f"{name}.{step}",
-            "package::clouds::sprites::draw",
-            color=[target],
-            blend="over",
-            bind={**common, "order": order},
-            indirect=own["draw"],
-            indirect_offset=offset,
-            index="clouds.sprites.corners",
-            flags={"ARTIST": painted, **seen},
-            order=rank,
-            **options,
-        )
+    for batch in range(BATCHES + (not ring)):
+        rank = float(batch) if batch < BATCHES else BEHIND
+        step = f"draw{batch}" if batch < BATCHES else "behind"
+        closed = {"depth": f"{name}.closed", "depth_write": False, "depth_in_turn": True} if batch else {}
+        for painted in (False, True)[: 1 + artist]:
+            graph.render(
+                f"{name}.{step}" + ".paint" * painted,
+                "package::clouds::sprites::draw",
+                color=[targets[painted]],
+                blend="under",
+                bind={**common, "order": order},
+                indirect=own["draw"],
+                indirect_offset=32 + 20 * batch,
+                index="clouds.sprites.corners",
+                flags={"ARTIST": painted, **seen},
+                order=rank,
+                # colours may let more through than light does
+                **({} if painted else closed),
+                **options,
+            )
+        if batch < BATCHES - bool(ring):
+            graph.render(
+                f"{name}.closed{batch}",
+                "package::clouds::sprites::closed",
+                color=(),
+                depth=f"{name}.closed",
+                bind={"layer": targets[0]},
+                in_turn=[targets[0]],
+                order=rank + 0.5,
+                when=when,
+            )
 
 
 def depth_texels(clouds: Clouds) -> tuple[float, float]:

@@ -53,6 +53,7 @@ class Sprites:
             graph.buffer_data("clouds.sprites.paint", paint(self._models, 1.0, 0.0))
         self._scope = graph.uniform("clouds.sprites.scope", SPRITE_SCOPE)
         self._scope.set(behind=1e9)
+        graph.texture("clouds.sprites.closed", "depth32float", clouds.size)
         # the ring saves time at the price of far clouds' sharpness
         with_ring = clouds.world.clouds.sprites.ring and not clouds.accumulated
         self.ring = Ring(graph, clouds, self._scope, artist=self._artist) if with_ring else None
@@ -83,7 +84,7 @@ class Sprites:
         found = {}
         for name, word in (("clouds.sprites", ""), ("clouds.ring", "ring_"))[: 1 + (self.ring is not None)]:
             found[f"{word}clouds"] = int(_words(self._graph.read(f"{name}.work"))[0])
-            found[f"{word}sprites"] = int(_words(self._graph.read(f"{name}.draw"))[5])
+            found[f"{word}sprites"] = int(_words(self._graph.read(f"{name}.draw"))[0])
         if self.ring is not None:
             found["ring_parts"] = len(self.ring.plan.parts)
         return found

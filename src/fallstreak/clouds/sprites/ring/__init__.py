@@ -10,8 +10,8 @@ How
     as four bytes a texel (``keep.wesl``). ``show.wesl`` draws the octagon behind the sprites near by. Its
     sides stand upright at twice the radius: to a camera that has left the middle, clouds at the radius then
     seem as much too far as those at the horizon seem too near, and all shift with the angle to them.
-    A first frame, and one after a cut, draws all eight sides at once; a ring that is made anew, a quarter of a
-    side (`parts`). Who is so fast that rings would be out of date when they are complete has none.
+    A first frame, and one after a cut, draws all eight sides at once; a ring that is made anew, a quarter of
+    a side (`parts`). Who is so fast that rings would be out of date when they are complete has none.
     A block counts from the ring's middle and drifts with its layer, so that a cloud does not change sides
     while a ring is in sight; while one comes in, a cloud may be in both, in one, or in none, and is drawn as
     much as the rings do not show it.

@@ -10,7 +10,7 @@ import numpy as np
 from ....gpu import VIEW, FrameGraph, Struct
 from ....world.state import CameraState, FrameState, local_axes, map_coordinates, view_values
 from ...frame import CLOUD_FRAME, frame_values
-from ..draw import add_sprites, depth_texels
+from ..draw import RING, add_sprites, depth_texels
 from ..scope import BLOCK, LIMIT, RING_VIEW, SPRITE_SCOPE
 from .parts import SIDES, Part, by_block, by_side
 from .plan import Plan
@@ -87,6 +87,7 @@ class Ring:
             bind |= {name: f"clouds.ring.{name}" for name in (drawn, pictures, parts)}
         if artist:
             onto["colours"] = "clouds.colour"
+        graph.texture("clouds.ring.closed", "depth32float", (TEXELS, TEXELS), persistent=True)
         targets = ("clouds.ring.drawn", "clouds.ring.painted")[: 1 + artist]
         add_sprites(graph, clouds, "clouds.ring", ring=targets, artist=artist, when=self._draws)
         graph.compute(
@@ -98,12 +99,13 @@ class Ring:
             structs=[RING_KEPT],
             when=self._draws,
         )
+        closed = {"depth": "clouds.sprites.closed", "depth_write": False, "depth_in_turn": True}
         for pictures, target in onto.items():
             graph.render(
                 f"clouds.ring.show_{pictures}",
                 "package::clouds::sprites::ring::show",
                 color=[target],
-                blend="over",
+                blend="under",
                 bind={
                     "view": "view",
                     "scope": "clouds.sprites.scope",
@@ -117,7 +119,8 @@ class Ring:
                 structs=[VIEW, RING_VIEW, SPRITE_SCOPE],
                 constants={"DEPTH_TEXELS": depth_texels(clouds), "MARGIN": MARGIN},
                 when=self._shows,
-                order=-0.5,
+                order=RING,
+                **({} if pictures == "colours" else closed),
             )
 
     def _draws(self) -> bool:
