@@ -6,5 +6,5 @@ kept exact: vertices relative to the model's origin, the origin relative to the 
 remainder.
 
 Limits: no animation, skins or morph targets; no emission (the G-buffer has none) and no blending (drawn as a
-mask); one set of texture coordinates; no shadows yet. Cost: see ``docs/models.md``.
+mask); one set of texture coordinates. Cost: see ``docs/models.md``.
 """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,6 +43,28 @@ def pack_instances(transforms: np.ndarray) -> np.ndarray:
     return packed
 
 
+@dataclass(frozen=True)
+class Bounds:
+    """Where all copies of a model are in a frame.
+
+    Attributes
+    ----------
+    centres : (n, 3) float64
+        Middles of the spheres around its copies, world axes, m.
+    radius : float
+        The largest sphere's, m.
+    moving : bool
+        Whether it is another place than in the frame before.
+    transforms : (n, 4, 4) float64
+        The same object as long as nothing moves.
+    """
+
+    centres: np.ndarray
+    radius: float
+    moving: bool
+    transforms: np.ndarray
+
+
 class Models:
     """Declares the models' resources and passes in a graph; nothing where a world has none.
 
@@ -54,6 +78,35 @@ class Models:
     def __init__(self, graph: FrameGraph, models: PlacedModels):
         self._draws = [_Draw(graph, model, i) for i, model in enumerate(models.values())] if models else []
         self._frame = graph.uniforms.get("models.frame")
+
+    def __len__(self) -> int:
+        return len(self._draws)
+
+    def bounds(self, state: FrameState) -> list[Bounds]:
+        """Where the models are in a frame, in their order."""
+        return [draw.bounds(state) for draw in self._draws]
+
+    def add_casters(
+        self,
+        graph: FrameGraph,
+        *,
+        view: str,
+        depth: str,
+        chosen: Callable[[int], bool],
+        order: float = 0.0,
+    ) -> None:
+        """Declare the passes that draw models into a map seen along the light.
+
+        Parameters
+        ----------
+        view : name
+            A uniform `View`, whose ``clip_from_world`` is the light's: parallel, depth 1 towards it.
+        depth : name
+        chosen : callable
+            Number of a model -> whether it is drawn now.
+        """
+        for number, draw in enumerate(self._draws):
+            draw.add_caster(graph, view, depth, lambda n=number: chosen(n), order)
 
     def update(self, state: FrameState) -> None:
         """Upload what has moved since the last frame."""
@@ -76,6 +129,7 @@ class _Draw:
         self._count = 0
         self._uploaded: dict[str, np.ndarray] = {}
         self._packed: tuple[np.ndarray | None, np.ndarray] = (None, np.zeros(0, INSTANCE))
+        self._bounds: Bounds | None = None
         loaded, name = placed.loaded, self._name
         graph.buffer_data(f"{name}.vertices", loaded.mesh.vertices)
         graph.buffer_data(f"{name}.indices", loaded.mesh.indices, usage=("index",))
@@ -109,6 +163,43 @@ class _Draw:
             },
             order=-1,  # before the plants, which then need not be shaded where they hide them
         )
+
+    def add_caster(
+        self, graph: FrameGraph, view: str, depth: str, when: Callable[[], bool], order: float
+    ) -> None:
+        """Declare its pass into a map of shadows."""
+        loaded, name = self._placed.loaded, self._name
+        masked = loaded.masked and loaded.color is not None
+        bind = {"view": view, "frame": "models.frame", "linear": "sampler:linear-repeat"}
+        bind |= {v: f"{name}.{v}" for v in ("vertices", "now", "materials")}
+        graph.render(
+            f"{depth}.{name}",
+            "package::models::caster",
+            depth=depth,
+            bind=bind | {"color_map": f"{name}.color_map"},
+            index=f"{name}.indices",
+            indices=len(loaded.mesh.indices),
+            instances=lambda: self._count,
+            structs=[MODELS_FRAME],
+            flags={"MASKED": masked},
+            fragment="fragment_main" if masked else None,
+            when=when,
+            order=order,
+        )
+
+    def bounds(self, state: FrameState) -> Bounds:
+        """See `Models.bounds`."""
+        now, before = self._placed.transforms(state)
+        moving = before is not now
+        if self._bounds is None or self._bounds.transforms is not now:
+            mesh = self._placed.loaded.mesh
+            middle = np.append(0.5 * (mesh.low + mesh.high), 1.0)
+            scale = np.linalg.norm(now[:, :3, :3], axis=1).max(initial=0.0)
+            radius = 0.5 * float(np.linalg.norm(mesh.high - mesh.low)) * float(scale)
+            self._bounds = Bounds((now @ middle)[:, :3], radius, moving, now)
+        elif self._bounds.moving != moving:
+            self._bounds = replace(self._bounds, moving=moving)
+        return self._bounds
 
     def update(self, state: FrameState) -> None:
         """Upload the copies whose places differ from what the GPU holds."""

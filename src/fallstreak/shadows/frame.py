@@ -19,6 +19,7 @@ SHADOWS = Struct(
         ("moonlit", "f32", "1: that light is the moon's, 0: the sun's"),
         ("camera", "vec2f", "rad, the camera on the map over the planet's radius"),
         ("contact", "f32", "m, length of contact shadows"),
+        ("turn", "f32", "of noise: another in each frame and sample"),
     ],
 )
 
@@ -40,5 +41,6 @@ def shadow_values(state: FrameState, light: Any, contact: float) -> tuple[dict[s
         "moonlit": float(moonlit),
         "camera": (east / state.planet_radius, north / state.planet_radius),
         "contact": contact,
+        "turn": float((state.index + state.sample) % 64),
     }
     return values, key

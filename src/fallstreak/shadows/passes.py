@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..gpu import FrameGraph
+from .cascades import CASCADES, PACKED, Cascades, Packed
 from .frame import SHADOWS, shadow_values
-from .sweep import Sweep
+from .sweep import SWEEP, Sweep
 
 if TYPE_CHECKING:
     from ..world import World
@@ -51,7 +52,17 @@ class Shadows:
         self.sweep: Sweep | None = None
         if settings.technique == "stable" and terrain.profile is not None:
             self.sweep = Sweep(graph, terrain.profile)
-        self.any = self.sweep is not None
+        self.cascades: Cascades | Packed | None = None
+        if settings.technique != "none":
+            made = (
+                Cascades(
+                    graph, settings.near, plants=terrain.vegetation, models=models, wide=quality.shadow_wide
+                )
+                if settings.technique == "stable"
+                else Packed(graph, terrain=terrain, models=models)
+            )
+            self.cascades = made if made.any else None
+        self.any = self.sweep is not None or self.cascades is not None
         if not self.any:
             return
         self._settings = settings
@@ -64,11 +75,14 @@ class Shadows:
             "normal_buffer": "gbuffer.normal",
             "repeat": "sampler:linear-repeat",
         }
-        structs, constants = [SHADOWS], {}
-        if self.sweep is not None:
-            bind |= self.sweep.bind
-            structs += self.sweep.structs
-            constants |= self.sweep.constants
+        constants: dict[str, Any] = {}
+        flags = {"MODELS": False, "WIDE": False}
+        for part in (self.sweep, self.cascades):
+            if part is not None:
+                bind |= part.bind
+                constants |= part.constants
+        if self.cascades is not None:
+            flags |= self.cascades.flags
         graph.texture("shadows.light", "rg8unorm", size)
         graph.render(
             "shadows.light",
@@ -78,9 +92,15 @@ class Shadows:
             depth_compare="less",
             depth_write=False,
             bind=bind,
-            structs=structs,
+            structs=[SHADOWS, SWEEP, CASCADES, PACKED],
             constants=constants,
-            flags={"LAND": self.sweep is not None, "CONTACT": settings.contact > 0.0},
+            flags={
+                "LAND": self.sweep is not None,
+                "THINGS": isinstance(self.cascades, Cascades),
+                "PACKED": isinstance(self.cascades, Packed),
+                "CONTACT": settings.contact > 0.0,
+                **flags,
+            },
         )
 
     def begin(self) -> None:
@@ -88,11 +108,13 @@ class Shadows:
         self._fresh = True
 
     def update(self, state: FrameState) -> None:
-        """Tell everybody of the frame to be rendered; after sky and terrain."""
+        """Tell everybody of the frame to be rendered; after sky, ground and models."""
         if not self.any:
             return
         values, key = shadow_values(state, self._light.record, self._settings.contact)
         self._frame.set(**values)
         if self.sweep is not None:
             self.sweep.update(key, state, self._fresh)
+        if self.cascades is not None:
+            self.cascades.update(key, state, self._fresh)
         self._fresh = False

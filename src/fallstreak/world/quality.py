@@ -38,6 +38,8 @@ class Quality:
     cloud_sections: tuple[tuple[int, int], ...] = ((512, 16), (192, 64), (64, 768), (16, 4096))
     cloud_tiles: float = 256.0  # of 16 x 16 texels, drawn anew in a frame
     cloud_near: int = 1  # texels of the clouds' picture to one of clouds about the camera, along a side
+    # shadows
+    shadow_wide: bool = True  # 3 x 3 bilinear samples of the maps of things; else one
     # frame
     bloom_first: int = 1  # finest level of glare, 2^-n of the picture's size: 1 or 2
     bloom_levels: int = 9  # at most; the widest is about 8 pixels high
@@ -73,6 +75,7 @@ QUALITY: dict[str, Quality] = {
         cloud_cells=96,
         cloud_shadow=96,
         cloud_puffs=7000,
+        shadow_wide=False,
         bloom_first=2,
         bloom_levels=6,
         temporal_fast=True,

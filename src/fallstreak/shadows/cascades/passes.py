@@ -1,0 +1,223 @@
+"""The maps of things as passes of a frame graph."""
+
+from __future__ import annotations
+
+from math import ceil, log
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...gpu import VIEW, FrameGraph, Struct
+from ...world.state import view_values
+from .keep import TURNED, Keep
+from .window import Window, about, basis
+
+if TYPE_CHECKING:
+    from ...world.state import FrameState
+
+TEXELS = 1024
+MOST = 4
+"""Maps of still things about the camera."""
+LARGE_RADIUS = 100.0
+"""m, from which on a model belongs to the map of large ones."""
+FAR = 3e3
+"""m from the camera, within which small models that move throw shadows."""
+LOWEST = -0.03
+"""Sine of the light's elevation under which nothing is drawn: there is none on the ground."""
+
+CASCADES = Struct(
+    "Cascades",
+    [("rows", f"array<vec4f, {4 * (MOST + 2)}>", "see lookup.wesl")],
+)
+STORE_JOB = Struct("StoreJob", [("layer", "u32", "where the drawn map goes")])
+
+
+class Cascades:
+    """Writes ``shadows.maps``; shaders bind `bind` and ask ``cascades/lookup.wesl``.
+
+    Each map is drawn into ``shadows.drawn`` and stored in its layer, one after the other: all but the last of
+    a frame ahead of it (`FrameGraph.make`).
+
+    Parameters
+    ----------
+    graph : FrameGraph
+        Must hold what plants and models declare.
+    near : float
+        m from the camera, as far as the finest map reaches.
+    plants : Vegetation or None
+    models : Models
+        Both can `add_casters`.
+
+    Attributes
+    ----------
+    any : bool
+        False: there is nothing that could throw a shadow, and nothing is declared.
+    bind, structs, constants, flags
+        What a shader needs that looks up.
+    drawn : set of int
+        The maps drawn in the frame of the last `update`.
+    """
+
+    def __init__(self, graph: FrameGraph, near: float, *, plants: Any, models: Any, wide: bool):
+        self._graph, self._plants, self._models = graph, plants, models
+        has_plants = plants is not None and bool(plants.stands)
+        self.any = has_plants or len(models) > 0
+        self.drawn: set[int] = set()
+        if not self.any:
+            return
+        radius = max((s.radius for s in plants.stands), default=0.0) if has_plants else 0.0
+        levels = MOST if len(models) else min(max(1 + ceil(log(max(radius / near, 1.0), 4)), 1), MOST)
+        self._keep = Keep([near * 4.0**n for n in range(levels)], TEXELS)
+        self._large, self._moving = levels, levels + 1
+        self._fitted: dict[int, Window | None] = {self._large: None, self._moving: None}
+        self._known: list[np.ndarray | None] = [None] * len(models)
+        self._home = [levels - 1] * len(models)  # what stands still belongs to all of the first maps
+        self._has_plants = has_plants
+        self._job: int | None = None
+        self._frame = graph.uniform("shadows.cascades", CASCADES)
+        self._view = graph.uniform("shadows.view", VIEW)
+        self._store = graph.uniform("shadows.store", STORE_JOB)
+        self.bind = {"cascades": "shadows.cascades", "maps": "shadows.maps"}
+        self.structs = (CASCADES,)
+        self.constants = {"LEVELS": levels, "NEAR": float(near), "TEXELS": TEXELS}
+        self.flags = {"MODELS": len(models) > 0, "WIDE": wide}
+        self._declare(graph, levels + 2 * (len(models) > 0), has_plants)
+
+    def _declare(self, graph: FrameGraph, layers: int, has_plants: bool) -> None:
+        graph.texture("shadows.drawn", "depth32float", (TEXELS, TEXELS), persistent=True)
+        graph.texture(
+            "shadows.maps", "r32float", (TEXELS, TEXELS, layers), dimension="2d-array", persistent=True
+        )
+
+        def due() -> bool:
+            return self._job is not None
+
+        # the first that draws into a map clears it, and there may be nothing to draw
+        graph.render(
+            "shadows.clear",
+            "package::gpu::fullscreen",
+            depth="shadows.drawn",
+            fragment=None,
+            vertices=0,
+            when=due,
+            order=-1.0,
+        )
+        if has_plants:
+            self._plants.add_casters(
+                graph,
+                "shadows",
+                view="shadows.view",
+                depth="shadows.drawn",
+                when=lambda: self._job is not None and self._job < self._large,
+            )
+        self._models.add_casters(graph, view="shadows.view", depth="shadows.drawn", chosen=self._chosen)
+        graph.compute(
+            "shadows.store",
+            "package::shadows::cascades::store",
+            bind={"job": "shadows.store", "drawn": "shadows.drawn", "output": "shadows.maps"},
+            groups=(TEXELS // 16, TEXELS // 16, 1),
+            structs=[STORE_JOB],
+            flags={"PACKED": False},
+            when=due,
+        )
+
+    def _chosen(self, model: int) -> bool:
+        """Whether a model is drawn into the map of the job in hand."""
+        return self._job is not None and self._home[model] == max(self._job, self._large - 1)
+
+    def update(self, key: np.ndarray, state: FrameState, fresh: bool) -> None:
+        """Draw what is due in a frame; after the updates of ground and models.
+
+        Parameters
+        ----------
+        key : (3,)
+            Unit, world axes, towards the light.
+        state : FrameState
+        fresh : bool
+            The first frame, or one after a cut: nothing from before counts.
+        """
+        axes, camera = basis(key), state.camera.position
+        jobs: list[int] = []
+        centre = camera + np.array([0.0, 0.0, state.planet_radius])
+        if float(key @ centre) > LOWEST * float(np.linalg.norm(centre)):
+            bounds = self._models.bounds(state)
+            changed = self._sort(bounds, fresh)
+            if self._stills():
+                jobs += self._keep.due(axes, camera, fresh=fresh)
+            for number in (self._large, self._moving):
+                jobs += self._fit(number, bounds, axes, camera, fresh or number in changed)
+        values = view_values(state) | {"size": (TEXELS, TEXELS)}
+        self._job = None
+        for number in jobs:
+            if self._job is not None:
+                self._graph.make("shadows.maps")
+            self._job = number
+            self._view.set(**values | {"clip_from_world": self._window(number).clip(camera)})
+            self._store.set(layer=number)
+        self.drawn = set(jobs)
+        self._frame.set(rows=self._rows(camera))
+
+    def _sort(self, bounds: list[Any], fresh: bool) -> set[int]:
+        """Which map each model belongs to; returns those in which something has changed."""
+        changed = set()
+        for number, found in enumerate(bounds):
+            known = self._known[number]
+            other = known is not None and known is not found.transforms
+            moved = found.moving or other
+            before = self._home[number]
+            if found.radius >= LARGE_RADIUS:
+                home = self._large
+            elif moved or (before == self._moving and not fresh):
+                home = self._moving
+            else:
+                home = self._large - 1
+            if moved or home != before:
+                changed |= {home, before}
+            self._home[number], self._known[number] = home, found.transforms
+        if self._large - 1 in changed:
+            self._keep.change()
+        return changed
+
+    def _stills(self) -> bool:
+        """Whether anything stands still that could throw a shadow."""
+        plants = self._has_plants and self._plants.casts
+        return plants or self._large - 1 in self._home
+
+    def _fit(
+        self, number: int, bounds: list[Any], axes: np.ndarray, camera: np.ndarray, anew: bool
+    ) -> list[int]:
+        """Lay the map of large or of moving models; [number] where it is to be drawn."""
+        chosen = [found for found, home in zip(bounds, self._home, strict=True) if home == number]
+        centres = np.concatenate([found.centres for found in chosen]) if chosen else np.zeros((0, 3))
+        radii = np.repeat([found.radius for found in chosen], [len(found.centres) for found in chosen])
+        if number == self._moving:
+            close = np.linalg.norm(centres - camera, axis=1) < FAR
+            centres, radii = centres[close], radii[close]
+        if not len(centres):
+            self._fitted[number] = None
+            return []
+        before = self._fitted[number]
+        if before is not None and not anew and np.linalg.norm(axes[2] - before.axes[2]) < TURNED:
+            return []
+        self._fitted[number] = about(axes, centres, radii)
+        return [number]
+
+    def _window(self, number: int) -> Window:
+        window = self._keep.windows[number] if number < self._large else self._fitted[number]
+        assert window is not None
+        return window
+
+    def _rows(self, camera: np.ndarray) -> np.ndarray:
+        """The uniform's rows for a frame: the camera moves, kept maps stay."""
+        rows = np.zeros((MOST + 2, 4, 4))
+        windows = [*self._keep.windows, self._fitted[self._large], self._fitted[self._moving]]
+        for number, window in enumerate(windows):
+            if window is not None:
+                rows[number, :3] = window.rows(camera)
+                rows[number, 3] = (
+                    window.texel(TEXELS),
+                    0.5 / window.half[2],
+                    1.0,
+                    float(number in self.drawn),
+                )
+        return rows.reshape(-1, 4)
