@@ -127,18 +127,25 @@ def test_plants_behind_the_camera_cast(device):
     assert np.array_equal(found[0][0], found[1][0])
 
 
-def test_a_crown_stands_in_a_plane_through_its_stem(device):
-    """What a map holds of a plant's middle lies there, or is another's nearer to the light."""
+def test_a_plant_leans_from_its_foot_to_behind_its_crown(device):
+    """From the foot up what throws the shadow lies ever farther behind the stem: crowns have light."""
     shade = Shade(device, radius=60.0)
     shade.draw(elevation=30.0, half=30.0)
     depth, places = shade.map(), shade.casters("conifer")
     places = places[(np.abs(places[:, :2]) < 0.95).all(1)]
     column = ((places[:, 0] + 1) / 2 * TEXELS).astype(int)
     row = ((1 - places[:, 1]) / 2 * TEXELS).astype(int)
+    # `places` is where the picture's middle is put; its stem stands nearer to the light
     away = (depth[row, column] - places[:, 2]) * 2.0 * RANGE
     assert len(places) > 20
     assert away[depth[row, column] > 0].min() > -0.3
     assert (np.abs(away) < 0.3).mean() > 0.1
+    # flat ground 20 m below the camera: how high over it the point of the stem is that was moved back
+    across, along = places[:, :2] * shade.half, (places[:, 2] - 0.5) * 2.0 * RANGE
+    put = across @ shade.axes[:2] + along[:, None] * shade.axes[2]
+    assert np.all(put[:, 2] + 20.0 < 24.0 / 2)
+    lower = (put[:, 2] + 20.0).mean()
+    assert 0.5 < lower < 6.0
 
 
 @pytest.mark.parametrize("elevation", [3.0, 20.0])

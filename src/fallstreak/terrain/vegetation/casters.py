@@ -1,7 +1,7 @@
 """The shadows of plants and stones, chosen all round the camera and drawn along the light.
 
-Few things are drawn, and cheaply: a plant is one square through its stem with the picture of it that looks
-along the light: what is behind it has none, the other half of its own crown too. A compute pass works out all
+Few things are drawn, and cheaply: a plant is one square with the picture of it that looks along the light,
+leaning from its foot to behind its crown, which therefore does not shade itself. A compute pass works out all
 that a square's corners need; squares near the light come first, so that they hide the others. Nothing sways:
 what a map holds may be kept for many frames.
 """
@@ -18,7 +18,7 @@ from .stands import IMPOSTOR, Stand, index_count
 ROOM = 32768
 """Most casters of a kind in one map."""
 
-LEAST, WHOLE = 1.5, 6.0
+LEAST, WHOLE = 1.5, 14.0
 """Texels: lower things throw no shadow, and of those lower than WHOLE a part stands for all."""
 
 _WORDS = 12  # 32-bit words of a caster

@@ -82,7 +82,7 @@ class Vegetation:
         self._struct = plants_struct(len(self.stands))
         self._plants = graph.uniform("plants", self._struct)
         self._near, self._above = True, 0.0
-        self._first = True
+        self._first, self._has_shadows = True, False
         # kinds whose impostors have no pictures yet, and those that get them in this frame
         self._unmade = [i for i, s in enumerate(self.stands) if s.kind.tile is not None]
         self._making: list[int] = []
@@ -136,6 +136,7 @@ class Vegetation:
         """
         if not self.stands:
             return
+        self._has_shadows = True
         add_casters(
             graph,
             name,
@@ -412,7 +413,7 @@ class Vegetation:
             levels=levels,
             time=state.time % PERIOD,
             before=(state.time - state.delta) % PERIOD,
-            sun_shade=_sun_shade(self._sine_of_sun(state)),
+            sun_shade=0.0 if self._has_shadows else _sun_shade(self._sine_of_sun(state)),
         )
 
 
