@@ -36,6 +36,8 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], str]] = {
     "ring": ("towering", {"clouds.technique": "sprites"}, "low"),
     "puffs": ("hundred_miles", {}, "low"),
     "spheres": ("canyon_glider", {}, "low"),
+    "shadows": ("long_shadows", {"shadows.show": True}, "high"),
+    "journal": ("long_shadows", {"shadows.technique": "infinity2007"}, "low"),
     "sprites": ("towering", {"clouds.technique": "sprites", "clouds.colours": "artist"}, "low"),
 }
 

@@ -217,7 +217,7 @@ def test_a_broken_base_is_named_with_its_line(tmp_path):
 
 def test_unknown_names_suggest(tmp_path):
     broken("jacksbro", 'there is no scene "jacksbro" (did you mean jacksboro?): shipped are')
-    broken("", "jacksboro, mars, night, orbit")
+    broken("", "jacksboro, long_shadows, mars, night, orbit")
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,26 @@ class Shadows:
             },
         )
 
+        if settings.show:
+            self._add_show(graph)
+
+    def _add_show(self, graph: FrameGraph) -> None:
+        """Tint the picture by the maps, after light has fallen on it."""
+        things = isinstance(self.cascades, Cascades)
+        graph.fullscreen(
+            "shadows.show",
+            "package::shadows::show",
+            color=["frame.hdr"],
+            depth="gbuffer.depth",
+            depth_compare="less",
+            blend="multiply",
+            bind={"view": "view", "depth_buffer": "gbuffer.depth"} | (self.cascades.bind if things else {}),
+            structs=[CASCADES],
+            constants=self.cascades.constants if things else {},
+            flags={"THINGS": things, "MODELS": False, "WIDE": False},
+            order=0.5,
+        )
+
     def begin(self) -> None:
         """Forget all history: the next frame is the first."""
         self._fresh = True
