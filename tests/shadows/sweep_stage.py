@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 import fallstreak as fs
+from fallstreak.frame.gbuffer import add_gbuffer
 from fallstreak.gpu import VIEW, FrameGraph, shader
 from fallstreak.shadows.sweep import Sweep
 from fallstreak.terrain.passes import Terrain
@@ -36,17 +37,22 @@ class Stage:
         self.quality = replace(QUALITY["low"], **quality)
         self.graph = FrameGraph(device)
         self.view = self.graph.uniform("view", VIEW)
-        from fallstreak.frame.gbuffer import add_gbuffer
-
         add_gbuffer(self.graph, SIZE)
         self.terrain = Terrain(device, self.graph, self.world, self.quality, SIZE)
         self.sweep = Sweep(self.graph, self.terrain.profile)
         self.graph.buffer_data("places", np.zeros((PLACES, 4), np.float32))
+        self.graph.buffer_data("normals", np.tile(np.float32([0, 0, 1, 0]), (PLACES, 1)))
         self.graph.buffer("found", 4 * PLACES)
         self.graph.compute(
             "probe",
             "package::sweep_probe",
-            bind={**self.sweep.bind, "repeat": "sampler:linear-repeat", "places": "places", "found": "found"},
+            bind={
+                **self.sweep.bind,
+                "repeat": "sampler:linear-repeat",
+                "places": "places",
+                "normals": "normals",
+                "found": "found",
+            },
             groups=(PLACES // 64, 1, 1),
             structs=self.sweep.structs,
             constants=self.sweep.constants,
@@ -73,7 +79,7 @@ class Stage:
         local = np.array([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)])
         return local_axes(east, north, self.radius) @ local
 
-    def look(self, camera, key, places=None, fresh=True, footprint=0.0):
+    def look(self, camera, key, places=None, fresh=True, footprint=0.0, normals=None):
         """Light at places (n, 3: east, north on the map, height above the sea) of a frame, (n,)."""
         state = self.state(*camera)
         self.view.set(**view_values(state))
@@ -85,6 +91,10 @@ class Stage:
             given[:count, :3] = np.asarray(places) - np.array([camera[0], camera[1], 0.0])
             given[:count, 3] = footprint
             self.graph.upload("places", given)
+        if normals is not None:
+            given = np.zeros((PLACES, 4), np.float32)
+            given[:count, :3] = normals
+            self.graph.upload("normals", given)
         self.graph.execute()
         return np.array(self.graph.read("found")).view(np.float32)[:count]
 
@@ -93,3 +103,17 @@ class Stage:
         found = np.array(self.graph.read("shadows.sweep"), np.float64)
         ground = 8.0 * found[..., 0] + found[..., 1]
         return np.stack([ground, ground + found[..., 2], ground + found[..., 3]], -1)
+
+    def at_samples(self, level):
+        """Both shadow heights at a level's samples (rows north), out of the sheared grid: 2 × (W, W)."""
+        n, (_, across, slope, northern) = self.sweep.constants["SWEEP_WIDTH"], self.sweep._lies[level]
+        phase = 0.5 + 0.5 * slope - across * n
+        i, minor = np.mgrid[0:n, 0:n]
+        line = minor - phase - slope * i
+        left = np.floor(line).astype(int)
+        part = line - left
+        found = []
+        for heights in np.moveaxis(self.swept()[level, ..., 1:], -1, 0):
+            taken = (1.0 - part) * heights[left % n, i] + part * heights[(left + 1) % n, i]
+            found.append(taken if northern else taken.T)
+        return found
