@@ -182,7 +182,6 @@ class _Draw:
             instances=lambda: self._count,
             structs=[MODELS_FRAME],
             flags={"MASKED": masked},
-            fragment="fragment_main" if masked else None,
             when=when,
             order=order,
         )

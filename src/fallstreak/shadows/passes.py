@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ..world.quality import Quality
     from ..world.state import FrameState
 
+_ABSENT = {"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1, "SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1}
+"""Constants of what a world does not have, so that shaders link with every combination of flags."""
+
 
 class Shadows:
     """Shadows as passes of a frame graph; nothing where a world wants none.
@@ -75,7 +78,7 @@ class Shadows:
             "normal_buffer": "gbuffer.normal",
             "repeat": "sampler:linear-repeat",
         }
-        constants: dict[str, Any] = {}
+        constants: dict[str, Any] = dict(_ABSENT)
         flags = {"MODELS": False, "WIDE": False}
         for part in (self.sweep, self.cascades):
             if part is not None:
@@ -118,7 +121,7 @@ class Shadows:
             blend="multiply",
             bind={"view": "view", "depth_buffer": "gbuffer.depth"} | (self.cascades.bind if things else {}),
             structs=[CASCADES],
-            constants=self.cascades.constants if things else {},
+            constants=_ABSENT | (self.cascades.constants if things else {}),
             flags={"THINGS": things, "MODELS": False, "WIDE": False},
             order=0.5,
         )
