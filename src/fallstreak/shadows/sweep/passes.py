@@ -21,6 +21,8 @@ MOST_TILES = 20
 TILE = 32
 KEPT = (2, 4)
 """Every second line and every fourth sample along it is kept as it is, for the next finer level."""
+BEFORE = {False: 1.0, True: 2.0}
+"""Samples by which a wall is asked for before itself; more where the land has overhangs, one height for two."""
 LOWEST, HIGHEST = radians(-6.0), radians(85.0)
 """Elevations between which the light is taken to be."""
 
@@ -92,6 +94,7 @@ class Sweep:
             "SWEEP_SPACING": float(profile.spacing),
             "SWEEP_WIDTH": width,
             "SWEEP_LEVELS": levels,
+            "SWEEP_BEFORE": BEFORE[profile.flags["SHIFT"]],
         }
         graph.texture(
             "shadows.sweep", "rgba16float", (width, width, levels), dimension="2d-array", persistent=True
