@@ -60,3 +60,18 @@ def test_fog_in_a_deck_is_lit_from_above(hour):
     slab = key_light(ahead, behind, facing_within(above + below, ahead + behind), np.linspace(-1.0, -0.5, 9))
     assert 0.6 * slab.min() < found["spheres"] < 1.4 * slab.max()
     assert max(found.values()) < 0.25 + 2.0 * min(found.values())
+
+
+@pytest.mark.parametrize("technique", ("sprites", "spheres"))
+def test_a_deck_goes_on_to_the_horizon(technique):
+    """Beyond the last clouds that are drawn, a degree above the sea, there is no strip of blue sky."""
+    world = deck(technique, "noon", height=50.0, pitch=0.8, fov=2.0)
+    hdr = fs.render(world, (24, 64), "low").hdr
+    assert hdr is not None
+    rows = hdr.astype(float).mean(1)
+    elevation = 0.8 + (31.5 - np.arange(64)) / 32.0
+    above = rows[elevation > 0.05]
+    bluish = above[:, 2] / above[:, 0]
+    assert bluish.max() < 1.05
+    bright = above @ LUMINANCE
+    assert bright.max() < 1.5 * bright.min()

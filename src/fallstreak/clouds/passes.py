@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,6 +47,8 @@ class Clouds:
         Of ``clouds.layer``.
     key : (3,) float64
         In a frame, direction to the light that counts; `moonlit`: it is the moon.
+    reach : float
+        m, as far as the technique draws the lowest clouds; infinite where it has no end.
     fresh : bool
         In a frame, whether it is the first of a sequence: what was drawn before has nothing to do with it.
     """
@@ -76,6 +79,9 @@ class Clouds:
         # puffs alone stand for clouds beyond the window
         ends = world.clouds.technique != "puffs"
         self.field = FieldPasses(graph, field_of(world), quality, ends=ends)
+        low = min(self.field.field.layers, key=lambda layer: layer.bounds[0])
+        window = 0.5 * self.field.window * low.cell
+        self.reach = min(window, float(world.clouds.visibility)) if ends else inf
         self.shadow = ShadowMap(self) if world.clouds.shadows else None
         module = import_module(f".{world.clouds.technique}", __package__)
         self.technique = getattr(module, TECHNIQUES[world.clouds.technique])(graph, self)

@@ -10,7 +10,10 @@ with regard to the land's edges.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fallstreak.clouds.shadow import CLOUD_SHADOW
 from fallstreak.gpu import EXPOSURE, FrameGraph
@@ -22,6 +25,9 @@ if TYPE_CHECKING:
 
 FAR_ALTITUDE = 20e3
 """Metres; from here on the air before clouds is marched, not looked up (see sky/lookup.wesl)."""
+
+SIDES = 64
+"""Of the ring about the camera in which clouds lie beyond those that a technique draws."""
 
 ORDER = 30.0
 """Among the passes that draw into the picture: after the sky, the moon and the stars."""
@@ -77,6 +83,27 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
         return lambda: clouds.moonlit == key_moon and far() == from_far
 
     for key_moon in (False, True):
+        if clouds.shadow is not None and clouds.reach < inf and not artist:
+            graph.render(
+                "frame.clouds.horizon" + ".moon" * key_moon,
+                "package::frame::horizon",
+                bind={**bind, "depth_buffer": "gbuffer.depth"},
+                flags={
+                    "KEY_MOON": key_moon,
+                    "FAR": False,
+                    "ARTIST": False,
+                    "POLAR": polar,
+                    "SHADOWS": True,
+                },
+                constants={"REACH": float(clouds.reach), "SIDES": np.uint32(SIDES)},
+                structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
+                topology="triangle-strip",
+                vertices=2 * SIDES + 2,
+                color=["frame.hdr"],
+                blend="over",
+                order=ORDER - 1.0,
+                when=when(key_moon, False),
+            )
         for from_far in (False, True):
             graph.render(
                 "frame.clouds.light" + ".moon" * key_moon + ".far" * from_far,
