@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -41,7 +43,7 @@ def test_fineness_changes_smoothly_on_the_way_to_orbit():
     assert np.abs(np.diff(np.log(found))).max() < 0.05
 
 
-def world_places(stage, **pose):
+def world_places(stage, **pose: Any):
     stage.draw(**pose)
     puffs = stage.placed()
     return puffs["centre"].astype(float) + stage.eye, puffs
@@ -119,7 +121,7 @@ def test_a_frame_is_the_same_twice(device):
 
 def test_of_too_many_the_nearest_are_drawn_and_always_the_same(device):
     few, every = PuffStage(device, heap=3000.0, most=400), PuffStage(device, heap=3000.0)
-    pose = {"height": 1900.0, "pitch": -20.0}
+    pose: dict[str, Any] = {"height": 1900.0, "pitch": -20.0}
     first = few.draw(**pose)
     whole = every.draw(**pose)
     assert few.drawn == 400 < every.drawn

@@ -180,7 +180,8 @@ def fineness_of(
         low, high = slab.core or (slab.low, slab.high)
         rows = np.maximum(np.round((high - low) / sizes), 1.0)
         # small ones are in clouds or not, of large ones most hold a cloud; of thick clouds one sees the skin
-        filled = (0.36 * slab.cover) ** (1.0 / (1.0 + (0.6 * sizes / max(slab.body, 1.0)) ** 2))
+        part = slab.cover * (0.36 + 0.4 * slab.cover**3)
+        filled = part ** (1.0 / (1.0 + (0.6 * sizes / max(slab.body, 1.0)) ** 2))
         rows = np.minimum(rows, 8.0) * filled
         area = np.maximum(np.clip(far, away, most) ** 2 - np.clip(near, away, most) ** 2, 0.0)
         visible = sizes * slab.extinction > LEAST_DEPTH
