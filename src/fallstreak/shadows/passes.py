@@ -98,6 +98,7 @@ class Shadows:
             structs=[SHADOWS, SWEEP, CASCADES, PACKED],
             constants=constants,
             flags={
+                "WOODS": terrain.wooded,
                 "LAND": self.sweep is not None,
                 "THINGS": isinstance(self.cascades, Cascades),
                 "PACKED": isinstance(self.cascades, Packed),

@@ -45,6 +45,11 @@ class Terrain:
     size : (width, height)
     show : "materials", optional
         The shares of the base materials in six colours instead of the ground's own.
+
+    Attributes
+    ----------
+    wooded : bool
+        Whether woods may be part of the ground.
     """
 
     def __init__(
@@ -74,6 +79,7 @@ class Terrain:
             "PLANET_OCTAVES": quality.terrain_planet_octaves,
             "SEA_ROUGHNESS": slope_variance(world.terrain.wind) ** 0.25,
         }
+        self.wooded = self.model.land is not None and "canopy" in cover_palette(world.terrain.material)
         self.clip: ClipmapPasses | None = None
         self.profile: Profile | None = None
         self.vegetation: Vegetation | None = None
