@@ -168,6 +168,13 @@ def test_what_is_only_a_few_texels_high_is_thinned_out_and_what_is_smaller_left_
     assert 0 < found[1] < 0.8 * found[0] and found[2] == 0
 
 
+def test_true_shadows_take_the_place_of_assumed_ones(device):
+    """Plants are not darkened by neighbours whose shadows are drawn."""
+    shade = Shade(device)
+    shade.draw()
+    assert shade.graph.uniforms["plants"].record["sun_shade"] == 0.0
+
+
 def test_nothing_runs_that_is_not_due(device):
     shade = Shade(device)
     shade.draw()

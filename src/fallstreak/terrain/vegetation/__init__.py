@@ -20,21 +20,27 @@ The way of a frame
     over frames or samples makes a fade of it. At their radius trees leave one after the other; from there on
     the canopy material stands for them (`tree_radius`).
 
+Shadows (`casters`)
+    Into a map seen along the light, all round the camera: ``….plants.select`` and ``….plants.placement`` work
+    out what throws shadows into it and how it lies there, then one draw per kind, only when the map is due.
+    What is lower than 14 texels is thinned out, what is lower than 1.5 left out.
+
 Wind
     A stem bends as a rod clamped at its foot, with the square of height and of the wind's speed, swings
     in its own time, and gusts travel over the land; branches flutter. Motion vectors follow. All
     frequencies are multiples of 1/64 Hz: no seam at any time.
 
 Limits
-    One mesh per kind, turned, stretched and coloured for each plant. No shadows but what crowns throw on
-    themselves (`look.sky`). Stones and shrubs end at half of the trees' radius. Which
+    One mesh per kind, turned, stretched and coloured for each plant. A crown shades itself by `look.sky` only,
+    others as its picture does, whole: no light comes through, and shadows do not sway. Stones and shrubs end at half of the trees' radius. Which
     plants stand where depends on the quality's radius, by the level of the clipmap that their cover is
     read from.
 
 Cost
     Python sets one uniform (some 15 µs), whatever stands there. On a software adapter (four cores): 0.3
     ms for placement per 1,000 plants in sight, 4 to 6 µs per impostor, 0.3 ms per tree that is a coarse
-    mesh.
+    mesh. A map of 1024² in autumn woods (300 m of plants): 20
+    ms within 50 m at 3° of sun, 9 ms at 40°; 13 ms within 190 m, 7 ms beyond.
 """
 
 from .passes import Vegetation
