@@ -8,7 +8,7 @@ import pytest
 
 import fallstreak as fs
 from fallstreak.shadows.sweep import model
-from fallstreak.shadows.sweep.schedule import Schedule, Swept
+from fallstreak.shadows.sweep.schedule import Schedule
 from fallstreak.terrain.model import terrain_model
 
 from .sweep_stage import Stage
@@ -58,10 +58,9 @@ def test_no_light_where_rays_find_none(jacksboro, azimuth, elevation):
     upper, _ = model.swept(heights, 32.0, a, e, disc=0.0)  # its middle, as of the rays
     dark = (ground < between(upper, column, row)) | turned_away(heights, 32.0, column, row, a, e)
     rays = ~model.rays(heights, 32.0, a, e, at=np.column_stack([places, ground + 1e-3]))
-    print(elevation, azimuth, rays.mean(), (dark != rays).mean(), iou(dark, rays))
-    assert (dark != rays).mean() < 0.025
-    # at 25 degrees 1 to 3 % of this land is dark, in slivers about a sample wide
-    assert iou(dark, rays) > (0.96 if elevation < 25 else 0.8)
+    assert (dark != rays).mean() < 0.0125
+    # at 25 degrees 2 to 4 % of this land is dark, in slivers about a sample wide
+    assert iou(dark, rays) > (0.97 if elevation < 25 else 0.89)
 
 
 @pytest.mark.parametrize("azimuth", [10, 100, 250])
@@ -81,8 +80,7 @@ def test_the_planet_curves_under_a_range_a_hundred_kilometres_wide(azimuth, elev
     dark = (ground < between(upper, column, row)) | turned_away(heights, spacing, column, row, a, e)
     rays = ~model.rays(heights, spacing, a, e, RADIUS, at=at)
     flat = ~model.rays(heights, spacing, a, e, at=at)
-    print(iou(dark, rays), iou(dark, flat))
-    assert iou(dark, rays) > 0.97
+    assert iou(dark, rays) > 0.98
     assert iou(dark, rays) > iou(dark, flat)
 
 
@@ -176,13 +174,21 @@ def test_in_motion_the_picture_is_that_of_a_fresh_one(stage):
     assert np.abs(moved - fresh).mean() < 0.005
 
 
+def test_from_beyond_the_map_nothing_is_swept_again_and_again(stage):
+    camera = (1.5 * stage.terrain.model.extent, 0.0, 9000.0)
+    key = stage.key(250, 20)
+    stage.look(camera, key)
+    stage.look(camera, key, fresh=False)
+    assert not stage.sweep._due
+
+
 def test_one_level_a_frame_and_none_when_nothing_changes():
     schedule = Schedule(4, 512)
     key = np.array([0.9, 0.0, 0.1])
     middles = np.zeros((4, 2))
     assert schedule.due(middles, key, 0, fresh=True) == [3, 2, 1, 0]
     for level in range(4):
-        schedule.swept[level] = Swept(np.array([-256, -256]), key)
+        schedule.swept(level, np.array([-256, -256]), key)
     assert schedule.due(middles, key, 0, fresh=False) == []
     middles[:] = 55.0 / 2.0 ** np.arange(4)[:, None]
     assert schedule.due(middles, key, 0, fresh=False) == [0]

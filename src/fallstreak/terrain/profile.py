@@ -29,6 +29,8 @@ class Profile:
     spacing : float
         m, between samples of level 0; of the next twice as much each.
     levels : int
+    extent : float
+        m, half the width of the map, beyond which windows do not follow the camera.
     bind, structs, constants, flags
         Of the module, for ``FrameGraph.compute``.
     """
@@ -37,6 +39,7 @@ class Profile:
     tiles: int
     spacing: float
     levels: int
+    extent: float
     bind: dict[str, str]
     structs: tuple[Struct, ...]
     constants: dict[str, Any]
@@ -50,6 +53,7 @@ class Profile:
             clip.clip.tiles,
             clip.spacing,
             clip.levels,
+            clip.clip.extent,
             {"terrain": "terrain.frame", "shapes": "terrain.shape", "shifts": "terrain.shift"},
             (TERRAIN_FRAME,),
             {**clip.constants, "GROUND": MODULE},

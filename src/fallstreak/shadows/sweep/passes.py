@@ -10,7 +10,7 @@ import numpy as np
 from ...gpu import FrameGraph, Struct
 from ...world.state import local_axes, map_coordinates
 from .model import DISC
-from .schedule import Schedule, Swept
+from .schedule import Schedule
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -133,7 +133,9 @@ class Sweep:
         local = local_axes(east, north, state.planet_radius).T @ np.asarray(key, np.float64)
         samples = camera / self._spacing[:, None]
         finest = int(self._profile.finest)
-        due = self._schedule.due(samples, local, finest, fresh=fresh)
+        # past the map's edge the windows stay behind
+        inside = min(1.0, self._profile.extent / max(float(np.hypot(east, north)), 1.0))
+        due = self._schedule.due(inside * samples, local, finest, fresh=fresh)
         for number, level in enumerate(due):
             self._lay(level, local, samples[level], state.planet_radius)
             self._due = True
@@ -146,7 +148,7 @@ class Sweep:
         """Set the job of a level; `camera` in its samples."""
         spacing = float(self._spacing[level])
         first = (np.asarray(self._profile.windows[level], np.int64) + self._inset) * TILE
-        self._schedule.swept[level] = Swept(first, key)
+        self._schedule.swept(level, first, key)
         way = key[:2] / max(float(np.hypot(*key[:2])), 1e-9)
         if not way.any():
             way = np.array([1.0, 0.0])
@@ -179,11 +181,10 @@ class Sweep:
 
     def _coarse(self, level: int, first: np.ndarray) -> dict[str, Any]:
         """Where the next level lies as seen from a window's first sample."""
-        swept = self._schedule.swept[level + 1] if level + 1 < self._levels else None
-        if swept is None:
+        if level + 1 == self._levels or not self._schedule.known[level + 1]:
             return {"any_coarse": 0}
         lies = self._lies[level + 1]
-        place = 0.5 * first - swept.first
+        place = 0.5 * first - self._schedule.firsts[level + 1]
         major, minor = (place[1], place[0]) if lies[3] else (place[0], place[1])
         return {
             "any_coarse": 1,
@@ -198,9 +199,7 @@ class Sweep:
     def _frame_values(self, samples: np.ndarray, finest: int) -> dict[str, Any]:
         """Every field of `SWEEP`: the camera moves, the windows stay."""
         lies = np.zeros((MAX_LEVELS, 4))
-        for level, swept in enumerate(self._schedule.swept):
-            if swept is not None:
-                place = (samples[level] - swept.first) / self._width
-                lies[level] = self._lies[level]
-                lies[level, :2] += place[::-1] if self._lies[level, 3] else place
+        place = (samples - self._schedule.firsts) / self._width
+        lies[: self._levels] = self._lies
+        lies[: self._levels, :2] += np.where(self._lies[:, 3:] > 0.5, place[:, ::-1], place)
         return {"levels": lies, "finest": float(finest)}

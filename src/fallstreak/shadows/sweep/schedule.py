@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import radians, sin
+from math import radians
 
 import numpy as np
 
@@ -17,22 +16,6 @@ PATIENCE = 12.0
 """Times `TURNED` by which a level may be behind while it waits for its turn."""
 
 
-@dataclass(frozen=True)
-class Swept:
-    """How a level was swept.
-
-    Attributes
-    ----------
-    first : (2,) int
-        First sample of its window, east and north.
-    key : (3,)
-        Towards the light, east, north and up at that camera.
-    """
-
-    first: np.ndarray
-    key: np.ndarray
-
-
 class Schedule:
     """One level a frame, the one that is behind the most; all that cannot wait; all in a first frame.
 
@@ -44,13 +27,21 @@ class Schedule:
 
     Attributes
     ----------
-    swept : list
-        `Swept` of each level, None before its first time.
+    known : (levels,) bool
+        Levels that have been swept.
+    firsts : (levels, 2)
+        First sample of each level's window, east and north, when it was swept.
     """
 
     def __init__(self, levels: int, width: int):
         self._width = width
-        self.swept: list[Swept | None] = [None] * levels
+        self.known = np.zeros(levels, bool)
+        self.firsts = np.zeros((levels, 2))
+        self._keys = np.zeros((levels, 3))  # the light as it was then
+
+    def swept(self, level: int, first: np.ndarray, key: np.ndarray) -> None:
+        """A level is swept with this first sample of its window, this light."""
+        self.known[level], self.firsts[level], self._keys[level] = True, first, key
 
     def due(self, middles: np.ndarray, key: np.ndarray, finest: int, *, fresh: bool) -> list[int]:
         """Levels to sweep in a frame, coarse ones first: finer ones go on from them.
@@ -66,23 +57,14 @@ class Schedule:
         fresh : bool
             Nothing from before counts.
         """
-        behind = np.full(len(self.swept), np.inf)
-        for level, swept in enumerate(self.swept):
-            if level < finest:
-                behind[level] = 0.0
-            elif swept is not None and not fresh:
-                behind[level] = self._behind(swept, middles[level], key)
-        due = set(np.flatnonzero(np.isinf(behind)).tolist())
-        worst = int(np.argmax(behind))
-        if behind[worst] > 1.0:
-            due.add(worst)
-        return sorted(due, reverse=True)
-
-    def _behind(self, swept: Swept, middle: np.ndarray, key: np.ndarray) -> float:
-        """How far a level is behind, in what it may be; infinite where it must not wait."""
-        left = float(np.abs(middle - swept.first - 0.5 * self._width).max()) / self._width
-        turned = float(np.linalg.norm(key - swept.key)) / (TURNED * (1.0 + 10.0 * sin(abs(key[2]))))
-        if left > LOST or turned > PATIENCE:
-            return np.inf
+        left = np.abs(middles - self.firsts - 0.5 * self._width).max(1) / self._width
+        may_turn = TURNED * (1.0 + 10.0 * abs(float(key[2])))
+        turned = np.sqrt(((key - self._keys) ** 2).sum(1)) / may_turn
         # half a tile is what a window always is beside its camera
-        return max((left - 16.0 / self._width) / LEFT, turned)
+        behind = np.maximum((left - 16.0 / self._width) / LEFT, turned)
+        lost = ~self.known | (left > LOST) | (turned > PATIENCE) | fresh
+        lost[:finest], behind[:finest] = False, 0.0
+        behind[lost] = 0.0
+        worst = int(behind.argmax())
+        lost[worst] |= behind[worst] > 1.0
+        return np.flatnonzero(lost)[::-1].tolist()
