@@ -216,7 +216,7 @@ class ShadingGround(Ground):
                 np.ones(len(row)),
             ]
         )
-        at = np.linalg.inv(view_values(state)["clip_from_world"].astype(float)) @ clip
+        at = np.linalg.inv(np.asarray(view_values(state)["clip_from_world"], float)) @ clip
         return (at[:3] / at[3]).T
 
 

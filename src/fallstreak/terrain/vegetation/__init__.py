@@ -31,16 +31,17 @@ Wind
     frequencies are multiples of 1/64 Hz: no seam at any time.
 
 Limits
-    One mesh per kind, turned, stretched and coloured for each plant. A crown shades itself by `look.sky` only,
-    others as its picture does, whole: no light comes through, and shadows do not sway. Stones and shrubs end at half of the trees' radius. Which
-    plants stand where depends on the quality's radius, by the level of the clipmap that their cover is
-    read from.
+    One mesh per kind, turned, stretched and coloured for each plant. A crown shades itself by `look.sky`
+    only, others as a solid picture does: no light comes through. Shadows do not sway, and those in a kept map are as
+    the plants were drawn when it was made: a little farther or nearer, on a coarser or finer ground. Stones and
+    shrubs end at half of the trees' radius. Which plants stand where depends on the quality's radius, by the
+    level of the clipmap that their cover is read from.
 
 Cost
     Python sets one uniform (some 15 µs), whatever stands there. On a software adapter (four cores): 0.3
     ms for placement per 1,000 plants in sight, 4 to 6 µs per impostor, 0.3 ms per tree that is a coarse
-    mesh. A map of 1024² in autumn woods (300 m of plants): 20
-    ms within 50 m at 3° of sun, 9 ms at 40°; 13 ms within 190 m, 7 ms beyond.
+    mesh. A map of 1024² in autumn woods (300 m of plants): within 50 m 20 ms at 3° of sun, 9 ms at 40°;
+    13 ms within 190 m, 7 ms beyond.
 """
 
 from .passes import Vegetation
