@@ -32,10 +32,10 @@ Wind
 
 Limits
     One mesh per kind, turned, stretched and coloured for each plant. A crown shades itself by `look.sky`
-    only, others as a solid picture does: no light comes through. Shadows do not sway, and those in a kept map are as
-    the plants were drawn when it was made: a little farther or nearer, on a coarser or finer ground. Stones and
-    shrubs end at half of the trees' radius. Which plants stand where depends on the quality's radius, by the
-    level of the clipmap that their cover is read from.
+    only, others as a solid picture does: no light comes through. Shadows do not sway, and those in a kept map
+    are as the plants were when it was made: a little farther or nearer, on a coarser or finer ground. Stones
+    and shrubs end at half of the trees' radius. Which plants stand where depends on the quality's radius, by
+    the level of the clipmap that their cover is read from.
 
 Cost
     Python sets one uniform (some 15 µs), whatever stands there. On a software adapter (four cores): 0.3
