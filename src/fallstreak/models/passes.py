@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,15 +53,15 @@ class Bounds:
         Middles of the spheres around its copies, world axes, m.
     radius : float
         The largest sphere's, m.
-    moving : bool
-        Whether it is another place than in the frame before.
+    movable : bool
+        Whether it goes along keyframes or is placed from Python: what it throws shadows on may change.
     transforms : (n, 4, 4) float64
         The same object as long as nothing moves.
     """
 
     centres: np.ndarray
     radius: float
-    moving: bool
+    movable: bool
     transforms: np.ndarray
 
 
@@ -188,16 +188,13 @@ class _Draw:
 
     def bounds(self, state: FrameState) -> Bounds:
         """See `Models.bounds`."""
-        now, before = self._placed.transforms(state)
-        moving = before is not now
+        now, _ = self._placed.transforms(state)
         if self._bounds is None or self._bounds.transforms is not now:
             mesh = self._placed.loaded.mesh
             middle = np.append(0.5 * (mesh.low + mesh.high), 1.0)
             scale = np.linalg.norm(now[:, :3, :3], axis=1).max(initial=0.0)
             radius = 0.5 * float(np.linalg.norm(mesh.high - mesh.low)) * float(scale)
-            self._bounds = Bounds((now @ middle)[:, :3], radius, moving, now)
-        elif self._bounds.moving != moving:
-            self._bounds = replace(self._bounds, moving=moving)
+            self._bounds = Bounds((now @ middle)[:, :3], radius, self._placed.movable, now)
         return self._bounds
 
     def update(self, state: FrameState) -> None:

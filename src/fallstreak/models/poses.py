@@ -180,6 +180,11 @@ class PlacedModel:
         array.flags.writeable = False
         return array
 
+    @property
+    def movable(self) -> bool:
+        """Whether it goes along keyframes or is placed from Python."""
+        return bool(self._model.keyframes) or self._given is not None
+
     # ---- for the frame ---------------------------------------------------------------------------------
 
     def latch(self, frame: int, fresh: bool) -> None:

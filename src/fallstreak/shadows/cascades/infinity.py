@@ -1,4 +1,4 @@
-"""The Infinity journal's cascades (2007): four maps of everything, fitted to what the camera sees, in each frame."""
+"""The Infinity journal's cascades (2007): four maps of everything, fitted to the view, in each frame."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ENDS = (150.0, 500.0, 1666.0, 5555.0)
 TEXELS = 1024
 """Along a side of one of them; packed they are twice as wide."""
 TOWARDS = 0.1
-"""Of a slice's far end: how much farther its map reaches towards the light. What is beyond lies on its side."""
+"""Of a slice's far end: how much farther a map reaches towards the light; what is beyond lies there."""
 
 PACKED = Struct(
     "Packed",

@@ -1,4 +1,8 @@
-"""Which maps of still things are drawn in a frame."""
+"""Which maps of still things are drawn in a frame.
+
+Where a map lies depends on camera and light alone, not on the way that led there: pictures after a lost GPU,
+or of a sequence that goes on elsewhere, are the same.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +10,30 @@ from math import radians
 
 import numpy as np
 
-from .window import MARGIN, Window, around
+from .window import MARGIN, Window, basis
 
 TURNED = radians(0.02)
-"""By which the light may turn: a texel of the finest map for a tree's shadow 250 m long."""
-PATIENCE = 4.0
-"""Times what a map may be behind, from which on it does not wait for its turn."""
+"""By which the light turns between two drawings: a texel of the finest map for a shadow 250 m long."""
+
+
+def axes_near(key: np.ndarray, number: int) -> np.ndarray:
+    """`basis` of a light next to `key`, on a lattice of `TURNED`; maps have their own and take turns."""
+    phase = 0.137 + 0.25 * number
+    near = (np.round(np.asarray(key, np.float64) / TURNED + phase) - phase) * TURNED
+    return basis(near / np.linalg.norm(near))
+
+
+def around(axes: np.ndarray, camera: np.ndarray, reach: float, texels: int) -> Window:
+    """The window that holds `reach` metres about a camera; it moves by its margins, in whole texels."""
+    half = reach * (1.0 + MARGIN)
+    texel = 2.0 * half / texels
+    step = texel * np.floor(2.0 * MARGIN * reach / texel)
+    middle = np.round(axes @ camera / step) * step
+    return Window(axes, middle, np.array([half, half, 1.2 * half + 100.0]))
 
 
 class Keep:
-    """Windows about the camera and what they were drawn for: one a frame, all in a first frame.
+    """Windows about the camera, and whether what they hold is still true.
 
     Parameters
     ----------
@@ -33,39 +51,25 @@ class Keep:
     def __init__(self, reaches: list[float], texels: int):
         self.reaches, self._texels = reaches, texels
         self.windows: list[Window | None] = [None] * len(reaches)
-        self._stale = [True] * len(reaches)
 
     def change(self) -> None:
-        """Something that throws shadows is no longer where it was."""
-        self._stale = [True] * len(self.reaches)
+        """Something that throws shadows is no longer where it was, or nothing from before counts."""
+        self.windows = [None] * len(self.reaches)
 
-    def due(self, axes: np.ndarray, camera: np.ndarray, *, fresh: bool) -> list[int]:
+    def due(self, key: np.ndarray, camera: np.ndarray) -> list[int]:
         """Maps to draw in a frame; their windows are laid anew.
 
         Parameters
         ----------
-        axes : (3, 3)
-            See `window.basis`.
+        key : (3,)
+            Towards the light, world axes.
         camera : (3,)
             World coordinates, m.
-        fresh : bool
-            Nothing from before counts.
         """
-        behind = [
-            np.inf if window is None or fresh else self._behind(number, window, axes, camera)
-            for number, window in enumerate(self.windows)
-        ]
-        due = {number for number, b in enumerate(behind) if b > PATIENCE}
-        worst = int(np.argmax(behind)) if behind else 0
-        if behind and behind[worst] > 1.0:
-            due.add(worst)
-        for number in due:
-            self.windows[number] = around(axes, camera, self.reaches[number], self._texels)
-            self._stale[number] = False
-        return sorted(due)
-
-    def _behind(self, number: int, window: Window, axes: np.ndarray, camera: np.ndarray) -> float:
-        """How far a map is behind, in what it may be."""
-        left = np.abs(window.axes @ camera - window.middle).max() / (MARGIN * self.reaches[number])
-        turned = float(np.linalg.norm(axes[2] - window.axes[2])) / TURNED
-        return max(float(left), min(turned, PATIENCE), 2.0 if self._stale[number] else 0.0)
+        due = []
+        for number, reach in enumerate(self.reaches):
+            window = around(axes_near(key, number), camera, reach, self._texels)
+            if window != self.windows[number]:
+                self.windows[number] = window
+                due.append(number)
+        return due

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...gpu import VIEW, FrameGraph, Struct
 from ...world.state import view_values
-from .keep import TURNED, Keep
+from .keep import Keep, axes_near
 from .window import Window, about, basis
 
 if TYPE_CHECKING:
@@ -25,9 +25,25 @@ FAR = 3e3
 LOWEST = -0.03
 """Sine of the light's elevation under which nothing is drawn: there is none on the ground."""
 
+NOWHERE = 1e4
+"""u of a map that holds nothing."""
+
 CASCADES = Struct(
     "Cascades",
-    [("rows", f"array<vec4f, {4 * (MOST + 2)}>", "see lookup.wesl")],
+    [
+        ("across", "vec3f", "unit, world axes, along u"),
+        ("along", "vec3f", "unit, world axes, against v"),
+        ("key", "vec3f", "unit, world axes, towards the light"),
+        ("finest", "f32", "u per m in map 0; of the next three a quarter each"),
+        ("large", "f32", "u per m in the map of large things"),
+        ("moving", "f32", "u per m in the map of what moves"),
+        ("drawn", "u32", "bits of the maps drawn in this frame"),
+        (
+            "places",
+            f"array<vec4f, {MOST + 2}>",
+            "u, v and depth of the camera, depth per m; u = NOWHERE: none",
+        ),
+    ],
 )
 STORE_JOB = Struct("StoreJob", [("layer", "u32", "where the drawn map goes")])
 
@@ -77,7 +93,7 @@ class Cascades:
         self._frame = graph.uniform("shadows.cascades", CASCADES)
         self._view = graph.uniform("shadows.view", VIEW)
         self._store = graph.uniform("shadows.store", STORE_JOB)
-        self.bind = {"cascades": "shadows.cascades", "maps": "shadows.maps"}
+        self.bind = {"cascades": "shadows.cascades", "drawn": "shadows.maps"}
         self.structs = (CASCADES,)
         self.constants = {"LEVELS": levels, "NEAR": float(near), "TEXELS": TEXELS}
         self.flags = {"MODELS": len(models) > 0, "WIDE": wide}
@@ -136,16 +152,19 @@ class Cascades:
         fresh : bool
             The first frame, or one after a cut: nothing from before counts.
         """
-        axes, camera = basis(key), state.camera.position
+        camera = state.camera.position
         jobs: list[int] = []
         centre = camera + np.array([0.0, 0.0, state.planet_radius])
         if float(key @ centre) > LOWEST * float(np.linalg.norm(centre)):
             bounds = self._models.bounds(state)
-            changed = self._sort(bounds, fresh)
+            changed = self._sort(bounds)
+            if fresh:
+                self._keep.change()
+                changed |= {self._large, self._moving}
             if self._stills():
-                jobs += self._keep.due(axes, camera, fresh=fresh)
+                jobs += self._keep.due(key, camera)
             for number in (self._large, self._moving):
-                jobs += self._fit(number, bounds, axes, camera, fresh or number in changed)
+                jobs += self._fit(number, bounds, key, camera, number in changed)
         values = view_values(state) | {"size": (TEXELS, TEXELS)}
         self._job = None
         for number in jobs:
@@ -155,23 +174,19 @@ class Cascades:
             self._view.set(**values | {"clip_from_world": self._window(number).clip(camera)})
             self._store.set(layer=number)
         self.drawn = set(jobs)
-        self._frame.set(rows=self._rows(camera))
+        self._frame.set(**self._values(key, camera))
 
-    def _sort(self, bounds: list[Any], fresh: bool) -> set[int]:
+    def _sort(self, bounds: list[Any]) -> set[int]:
         """Which map each model belongs to; returns those in which something has changed."""
         changed = set()
         for number, found in enumerate(bounds):
-            known = self._known[number]
-            other = known is not None and known is not found.transforms
-            moved = found.moving or other
-            before = self._home[number]
+            home = self._large - 1
             if found.radius >= LARGE_RADIUS:
                 home = self._large
-            elif moved or (before == self._moving and not fresh):
+            elif found.movable:
                 home = self._moving
-            else:
-                home = self._large - 1
-            if moved or home != before:
+            before = self._home[number]
+            if self._known[number] is not found.transforms or home != before:
                 changed |= {home, before}
             self._home[number], self._known[number] = home, found.transforms
         if self._large - 1 in changed:
@@ -184,7 +199,7 @@ class Cascades:
         return plants or self._large - 1 in self._home
 
     def _fit(
-        self, number: int, bounds: list[Any], axes: np.ndarray, camera: np.ndarray, anew: bool
+        self, number: int, bounds: list[Any], key: np.ndarray, camera: np.ndarray, changed: bool
     ) -> list[int]:
         """Lay the map of large or of moving models; [number] where it is to be drawn."""
         chosen = [found for found, home in zip(bounds, self._home, strict=True) if home == number]
@@ -193,31 +208,35 @@ class Cascades:
         if number == self._moving:
             close = np.linalg.norm(centres - camera, axis=1) < FAR
             centres, radii = centres[close], radii[close]
-        if not len(centres):
-            self._fitted[number] = None
-            return []
-        before = self._fitted[number]
-        if before is not None and not anew and np.linalg.norm(axes[2] - before.axes[2]) < TURNED:
-            return []
-        self._fitted[number] = about(axes, centres, radii)
-        return [number]
+        window = about(axes_near(key, number), centres, radii) if len(centres) else None
+        before, self._fitted[number] = self._fitted[number], window
+        return [number] if window is not None and (changed or window != before) else []
 
     def _window(self, number: int) -> Window:
         window = self._keep.windows[number] if number < self._large else self._fitted[number]
         assert window is not None
         return window
 
-    def _rows(self, camera: np.ndarray) -> np.ndarray:
-        """The uniform's rows for a frame: the camera moves, kept maps stay."""
-        rows = np.zeros((MOST + 2, 4, 4))
+    def _values(self, key: np.ndarray, camera: np.ndarray) -> dict[str, Any]:
+        """Every field of `CASCADES` for a frame: the camera moves, kept maps stay.
+
+        Kept maps were drawn for a light that differs by less than `TURNED`; looked up with the axes of this
+        frame's they are exact at the camera, and wrong by .2 texels at their borders.
+        """
+        axes = basis(key)
+        places = np.full((MOST + 2, 4), NOWHERE)
         windows = [*self._keep.windows, self._fitted[self._large], self._fitted[self._moving]]
         for number, window in enumerate(windows):
             if window is not None:
-                rows[number, :3] = window.rows(camera)
-                rows[number, 3] = (
-                    window.texel(TEXELS),
-                    0.5 / window.half[2],
-                    1.0,
-                    float(number in self.drawn),
-                )
-        return rows.reshape(-1, 4)
+                places[number] = (*window.rows(camera)[:, 3], 0.5 / window.half[2])
+        per_metre = [0.5 / w.half[0] if w is not None else 0.0 for w in windows]
+        return {
+            "across": axes[0],
+            "along": axes[1],
+            "key": axes[2],
+            "finest": per_metre[0],
+            "large": per_metre[-2],
+            "moving": per_metre[-1],
+            "drawn": sum(1 << number for number in self.drawn),
+            "places": places,
+        }

@@ -24,7 +24,7 @@ def basis(key: np.ndarray) -> np.ndarray:
     return np.array([[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y], [x, y, z]])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Window:
     """A box in the light's axes that a map holds.
 
@@ -63,17 +63,14 @@ class Window:
         matrix[3, 3] = 1.0
         return matrix
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Window) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in ("axes", "middle", "half")
+        )
+
     def texel(self, texels: int) -> float:
         """Width of a texel, m."""
         return 2.0 * float(self.half[0]) / texels
-
-
-def around(axes: np.ndarray, camera: np.ndarray, reach: float, texels: int) -> Window:
-    """The window of half width `reach` and a margin about a camera, on whole texels."""
-    half = reach * (1.0 + MARGIN)
-    texel = 2.0 * half / texels
-    middle = np.round(axes @ camera / texel) * texel
-    return Window(axes, middle, np.array([half, half, 1.2 * half + 100.0]))
 
 
 def about(axes: np.ndarray, centres: np.ndarray, radii: np.ndarray) -> Window:
