@@ -60,3 +60,26 @@ def test_a_frame_repeats_on_another_device(height):
     world = fs.load("hundred_miles").updated({"camera.height": height})
     first, second = (fs.render(world, SIZE, "low").ldr for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+def opacity(world):
+    with fs.Renderer(world, SIZE, "low", still=True, samples=1) as renderer:
+        renderer.render()
+        layer = np.array(renderer.graph.read("clouds.layer")).view(np.float16)
+    return layer.reshape(SIZE[1] // 2, SIZE[0] // 2, 4)[..., 3].astype(float)
+
+
+@pytest.mark.parametrize("height", [200.0, 4000.0])
+def test_a_closed_deck_has_no_holes(height):
+    """What is left out because others hide it is hidden: above, and below, where matter sets in slowly."""
+    layer = {"genus": "stratocumulus", "coverage": 1.0, "base": 1500.0, "lifetime": 0.0}
+    camera = {"above": "sea", "height": height, "pitch": 40.0 if height < 1500.0 else -40.0}
+    world = fs.World(
+        planet={"surface": "ocean"}, camera=camera, clouds={"layers": [layer], "technique": "puffs"}
+    )
+    found = opacity(world)
+    # asked for all of the sky, the field covers nearly that (test_field_coverage)
+    open_part = (found < 0.9).mean()
+    print(f"\nopen: {open_part:.3f}, mean opacity {found.mean():.3f}")
+    assert open_part < 0.04
+    assert found.mean() > 0.97
