@@ -8,7 +8,7 @@ import pytest
 
 import fallstreak as fs
 from fallstreak.shadows.sweep import model
-from fallstreak.shadows.sweep.schedule import Schedule
+from fallstreak.shadows.sweep.schedule import Schedule, key_near
 from fallstreak.terrain.model import terrain_model
 
 from .sweep_stage import Stage
@@ -108,13 +108,15 @@ def test_the_gpu_sweeps_as_its_twin_does(stage, azimuth, elevation):
     level = stage.sweep.constants["SWEEP_LEVELS"] - 1  # the coarsest: nothing comes from outside
     n = stage.sweep.constants["SWEEP_WIDTH"]
     spacing = 32.0 * 2**level
-    first = stage.terrain.profile.windows[level].astype(int) * 32
+    first = stage.sweep._schedule.firsts[level]
+    clip = stage.terrain.profile.tiles * 32
     sample = [first[axis] + np.arange(n) for axis in (0, 1)]
-    texels = np.array(stage.graph.read("terrain.shape"))[level, ..., 0].view(np.float32).reshape(n, n)
-    heights = texels[np.ix_(sample[1] % n, sample[0] % n)].astype(float)
+    texels = np.array(stage.graph.read("terrain.shape"))[level, ..., 0].view(np.float32).reshape(clip, clip)
+    heights = texels[np.ix_(sample[1] % clip, sample[0] % clip)].astype(float)
     away = np.hypot(sample[0][None] * spacing, sample[1][:, None] * spacing)
     heights[away > stage.terrain.model.extent] = stage.terrain.model.land.outside
-    a, e = radians(azimuth), radians(elevation)
+    key = key_near(stage.key(azimuth, elevation))
+    a, e = np.arctan2(key[0], key[1]), np.arcsin(key[2])
     twin = model.swept(heights, spacing, a, e, stage.radius, first=(first[0], first[1]))
     found = stage.at_samples(level)
     inner = np.s_[n // 8 : -n // 8, n // 8 : -n // 8]
@@ -182,18 +184,28 @@ def test_from_beyond_the_map_nothing_is_swept_again_and_again(stage):
     assert not stage.sweep._due
 
 
-def test_one_level_a_frame_and_none_when_nothing_changes():
-    schedule = Schedule(4, 512)
-    key = np.array([0.9, 0.0, 0.1])
+def test_what_is_swept_depends_on_camera_and_light_alone():
+    key = key_near(np.array([0.9, 0.0, 0.1]))
+    there = np.array([[700.0, -90.0]]) / 2.0 ** np.arange(4)[:, None]
+    straight, astray = Schedule(4, 384), Schedule(4, 384)
+    assert straight.due(there, key, 0, fresh=True) == [3, 2, 1, 0]
+    for step in (0.0, 0.3, 2.0):
+        astray.due(step * there, key_near(key + 0.01 * step), int(step), fresh=False)
+    astray.due(there, key, 0, fresh=False)
+    np.testing.assert_array_equal(straight.firsts, astray.firsts)
+    assert straight.known.all() and astray.known.all()
+
+
+def test_a_level_is_swept_again_with_the_coarser_one_and_none_when_nothing_changes():
+    schedule = Schedule(4, 384)
+    key = key_near(np.array([0.9, 0.0, 0.1]))
     middles = np.zeros((4, 2))
     assert schedule.due(middles, key, 0, fresh=True) == [3, 2, 1, 0]
-    for level in range(4):
-        schedule.swept(level, np.array([-256, -256]), key)
     assert schedule.due(middles, key, 0, fresh=False) == []
-    middles[:] = 55.0 / 2.0 ** np.arange(4)[:, None]
-    assert schedule.due(middles, key, 0, fresh=False) == [0]
-    # levels that are not held do not wait for anybody
-    assert schedule.due(middles, key, 2, fresh=False) == []
-    turned = key + np.array([0.0, 0.0, 1e-3])
-    assert len(schedule.due(np.zeros((4, 2)), turned, 0, fresh=False)) == 1
-    assert schedule.due(np.zeros((4, 2)), key + np.array([0.0, 0.0, 0.1]), 0, fresh=False) == [3, 2, 1, 0]
+    assert schedule.due(middles + 31.0, key, 0, fresh=False) == []
+    moved = 70.0 / 2.0 ** np.arange(4)[:, None] + middles
+    assert schedule.due(moved, key, 0, fresh=False) == [1, 0]
+    # levels that are not held do not wait for anybody, and are swept when they come back
+    assert schedule.due(moved, key, 2, fresh=False) == []
+    assert schedule.due(moved, key, 0, fresh=False) == [1, 0]
+    assert schedule.due(moved, key_near(key + 0.001), 0, fresh=False) == [3, 2, 1, 0]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..gpu import Struct
 from .frame import TERRAIN_FRAME
 
@@ -59,11 +57,6 @@ class Profile:
             {**clip.constants, "GROUND": MODULE},
             {"SHIFT": clip.flags["SHIFT"]},
         )
-
-    @property
-    def windows(self) -> np.ndarray:
-        """First tile (east, north) of each level's window in this frame, (levels, 2) int32."""
-        return self.clip.clip.windows[: self.levels, :2]
 
     @property
     def finest(self) -> int:

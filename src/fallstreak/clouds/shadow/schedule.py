@@ -34,8 +34,8 @@ class _Drawn:
 
 
 class Schedule:
-    """At most one map a frame, the one that is most texels behind, if that can be seen; all that must not wait;
-    all in a first frame.
+    """At most one map a frame, the one that is most texels behind, if that can be seen; all that must not
+    wait; all in a first frame.
 
     A map that is not drawn drifts with the clouds: its shadows go on moving, and when it is drawn again
     nothing jumps.

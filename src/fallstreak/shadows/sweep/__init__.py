@@ -10,8 +10,9 @@ What it is
     next coarser level says there. Heights are lowered by d²/2R, so the planet's curve is in it.
 
 When
-    A level is swept anew when the camera has moved by a sixteenth of its window or the light has turned by
-    some hundredths of a degree; one level a frame, all in a first one (``schedule``).
+    Windows move in steps, the light on a lattice of some hundredths of a degree: what was swept depends on
+    camera and light alone. A level is swept anew when its own or a coarser one's step is reached
+    (``schedule``).
 
 Limits
     Shadows are as sharp as a level's samples, which are coarser than the picture's pixels far away; a

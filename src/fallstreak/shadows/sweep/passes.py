@@ -10,7 +10,7 @@ import numpy as np
 from ...gpu import FrameGraph, Struct
 from ...world.state import local_axes, map_coordinates
 from .model import DISC
-from .schedule import Schedule
+from .schedule import STEP, Schedule, key_near
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
@@ -41,7 +41,7 @@ SWEEP_JOB = Struct(
     "SweepJob",
     [
         ("first", "vec2i", "sample of the clipmap with which the window begins"),
-        ("camera", "vec2f", "in the window, samples east and north: where its plane touches the planet"),
+        ("middle", "vec2f", "of the window, samples: where its plane touches the planet"),
         ("level", "i32", ""),
         ("northern", "i32", "1: north is the major axis, 0: east"),
         ("from_end", "i32", "1: the light comes from the major axis' far end"),
@@ -78,8 +78,8 @@ class Sweep:
 
     def __init__(self, graph: FrameGraph, profile: Any):
         self._graph, self._profile = graph, profile
-        tiles = min(profile.tiles, MOST_TILES)
-        self._inset = (profile.tiles - tiles) // 2
+        # a window moves in steps, and must lie in the clipmap's, which moves in others
+        tiles = min(profile.tiles - 1 - STEP // TILE, MOST_TILES)
         self._width = width = tiles * TILE
         self._levels = levels = profile.levels
         self._spacing = profile.spacing * 2.0 ** np.arange(levels)
@@ -128,27 +128,27 @@ class Sweep:
         fresh : bool
             The first frame, or one after a cut: nothing from before counts.
         """
-        east, north = map_coordinates(state.camera.position, state.planet_radius)
-        camera = np.array([east, north])
-        local = local_axes(east, north, state.planet_radius).T @ np.asarray(key, np.float64)
+        camera = np.array(map_coordinates(state.camera.position, state.planet_radius))
+        # past the map's edge the windows stay behind
+        inside = min(1.0, self._profile.extent / max(float(np.hypot(*camera)), 1.0))
         samples = camera / self._spacing[:, None]
         finest = int(self._profile.finest)
-        # past the map's edge the windows stay behind
-        inside = min(1.0, self._profile.extent / max(float(np.hypot(east, north)), 1.0))
-        due = self._schedule.due(inside * samples, local, finest, fresh=fresh)
+        near = key_near(key)
+        due = self._schedule.due(inside * samples, near, finest, fresh=fresh)
         for number, level in enumerate(due):
-            self._lay(level, local, samples[level], state.planet_radius)
+            self._lay(level, near, state.planet_radius)
             self._due = True
             if number < len(due) - 1:
                 self._graph.make("shadows.sweep")
         self._due = bool(due)
         self._frame.set(**self._frame_values(samples, finest))
 
-    def _lay(self, level: int, key: np.ndarray, camera: np.ndarray, radius: float) -> None:
-        """Set the job of a level; `camera` in its samples."""
+    def _lay(self, level: int, key: np.ndarray, radius: float) -> None:
+        """Set the job of a level."""
         spacing = float(self._spacing[level])
-        first = (np.asarray(self._profile.windows[level], np.int64) + self._inset) * TILE
-        self._schedule.swept(level, first, key)
+        first = self._schedule.firsts[level]
+        middle = first + self._width // 2
+        key = local_axes(*(float(m) * spacing for m in middle), radius).T @ key
         way = key[:2] / max(float(np.hypot(*key[:2])), 1e-9)
         if not way.any():
             way = np.array([1.0, 0.0])
@@ -168,7 +168,7 @@ class Sweep:
         )
         self._job.set(
             first=first,
-            camera=camera - first,
+            middle=middle - first,
             level=level,
             northern=northern,
             from_end=int(major > 0.0),
@@ -181,7 +181,7 @@ class Sweep:
 
     def _coarse(self, level: int, first: np.ndarray) -> dict[str, Any]:
         """Where the next level lies as seen from a window's first sample."""
-        if level + 1 == self._levels or not self._schedule.known[level + 1]:
+        if level + 1 == self._levels:
             return {"any_coarse": 0}
         lies = self._lies[level + 1]
         place = 0.5 * first - self._schedule.firsts[level + 1]

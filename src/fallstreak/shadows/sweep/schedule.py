@@ -1,4 +1,9 @@
-"""Which levels of the land are swept in a frame."""
+"""Where the levels of the land are swept, and which of them in a frame.
+
+That depends on camera and light alone, not on the way that led there: pictures after a lost GPU, or of a
+sequence that goes on elsewhere, are the same. A level goes on from what the next coarser one says, so it is
+swept again when that is.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +11,20 @@ from math import radians
 
 import numpy as np
 
-LEFT = 1.0 / 16.0
-"""Of its width that a window may be left behind by, and half a tile: then its level is due."""
-LOST = 1.0 / 8.0
-"""The same, where what is asked for would soon lie outside: such a level does not wait for its turn."""
+STEP = 64
+"""Samples by which a level's window moves: two tiles of the clipmap."""
 TURNED = radians(0.02)
-"""By which the light may turn when it stands on the horizon: 10 m for shadows thrown 30 km far."""
-PATIENCE = 12.0
-"""Times `TURNED` by which a level may be behind while it waits for its turn."""
+"""By which the light turns from one sweep to the next: 10 m for shadows that are thrown 30 km far."""
+
+
+def key_near(key: np.ndarray) -> np.ndarray:
+    """The light next to `key` on a lattice of `TURNED`."""
+    near = (np.round(np.asarray(key, np.float64) / TURNED + 0.137) - 0.137) * TURNED
+    return near / np.linalg.norm(near)
 
 
 class Schedule:
-    """One level a frame, the one that is behind the most; all that cannot wait; all in a first frame.
+    """What each level was swept for.
 
     Parameters
     ----------
@@ -27,44 +34,41 @@ class Schedule:
 
     Attributes
     ----------
+    firsts : (levels, 2) int
+        First sample of each level's window, east and north.
     known : (levels,) bool
-        Levels that have been swept.
-    firsts : (levels, 2)
-        First sample of each level's window, east and north, when it was swept.
+        Levels that are swept.
     """
 
     def __init__(self, levels: int, width: int):
         self._width = width
+        self.firsts = np.zeros((levels, 2), np.int64)
         self.known = np.zeros(levels, bool)
-        self.firsts = np.zeros((levels, 2))
-        self._keys = np.zeros((levels, 3))  # the light as it was then
-
-    def swept(self, level: int, first: np.ndarray, key: np.ndarray) -> None:
-        """A level is swept with this first sample of its window, this light."""
-        self.known[level], self.firsts[level], self._keys[level] = True, first, key
+        self._key = np.zeros(3)
 
     def due(self, middles: np.ndarray, key: np.ndarray, finest: int, *, fresh: bool) -> list[int]:
-        """Levels to sweep in a frame, coarse ones first: finer ones go on from them.
+        """Levels to sweep in a frame, coarse ones first; from now on they count as swept.
 
         Parameters
         ----------
         middles : (levels, 2)
             The camera on the map, in samples of each level.
         key : (3,)
-            Towards the light, in the camera's axes.
+            Towards the light, from `key_near`.
         finest : int
             Levels finer than this are not held.
         fresh : bool
             Nothing from before counts.
         """
-        left = np.abs(middles - self.firsts - 0.5 * self._width).max(1) / self._width
-        may_turn = TURNED * (1.0 + 10.0 * abs(float(key[2])))
-        turned = np.sqrt(((key - self._keys) ** 2).sum(1)) / may_turn
-        # half a tile is what a window always is beside its camera
-        behind = np.maximum((left - 16.0 / self._width) / LEFT, turned)
-        lost = ~self.known | (left > LOST) | (turned > PATIENCE) | fresh
-        lost[:finest], behind[:finest] = False, 0.0
-        behind[lost] = 0.0
-        worst = int(behind.argmax())
-        lost[worst] |= behind[worst] > 1.0
-        return np.flatnonzero(lost)[::-1].tolist()
+        firsts = np.round(middles / STEP).astype(np.int64) * STEP - self._width // 2
+        if fresh or not np.array_equal(key, self._key):
+            self.known[:] = False
+        moved = ~self.known | (firsts != self.firsts).any(1)
+        moved[:finest] = False
+        held = np.arange(len(moved)) >= finest
+        coarsest = int(np.flatnonzero(moved)[-1]) if moved.any() else -1
+        due = held & (np.arange(len(moved)) <= coarsest)
+        # what is not held any more is to be swept when it comes back
+        self.known = (self.known | due) & held
+        self.firsts[due], self._key = firsts[due], np.array(key)
+        return np.flatnonzero(due)[::-1].tolist()
