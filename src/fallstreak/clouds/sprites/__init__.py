@@ -16,8 +16,8 @@ How
     Passes, as many for any number of clouds: ``select`` (clouds in sight), ``budget`` (how far there is room
     for all their sprites), ``expand`` (sprites as fine as their size on the screen asks for, those that the
     cloud itself hides left out; their light), ``clouds/order``, ``deal`` and five indirect draws, near to
-    far, each laid under those before it (a sixth behind the ring). After each, ``closed`` marks by depth where
-    nothing behind is seen any more: there the rest is not shaded. Far clouds are a few sprites, or one, by
+    far, each laid under those before it (a sixth behind the ring). After each, ``closed`` marks by depth
+    where nothing behind is seen any more: there the rest is not shaded. Far clouds are a few sprites, or one, by
     the same code.
 
 Limits
