@@ -17,8 +17,8 @@ How
     for all their sprites), ``expand`` (sprites as fine as their size on the screen asks for, those that the
     cloud itself hides left out; their light), ``clouds/order``, ``deal`` and five indirect draws, near to
     far, each laid under those before it (a sixth behind the ring). After each, ``closed`` marks by depth
-    where nothing behind is seen any more: there the rest is not shaded. Far clouds are a few sprites, or one, by
-    the same code.
+    where nothing behind is seen any more: there the rest is not shaded. Far clouds are a few sprites, or
+    one, by the same code.
 
 Limits
     At most 32,768 sprites; beyond that, far clouds are one sprite each. Overlapping sprites are blended one
