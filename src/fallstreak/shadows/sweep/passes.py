@@ -148,7 +148,7 @@ class Sweep:
         spacing = float(self._spacing[level])
         first = self._schedule.firsts[level]
         middle = first + self._width // 2
-        key = local_axes(*(float(m) * spacing for m in middle), radius).T @ key
+        key = local_axes(float(middle[0]) * spacing, float(middle[1]) * spacing, radius).T @ key
         way = key[:2] / max(float(np.hypot(*key[:2])), 1e-9)
         if not way.any():
             way = np.array([1.0, 0.0])
