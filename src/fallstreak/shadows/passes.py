@@ -115,7 +115,7 @@ class Shadows:
 
     def _add_show(self, graph: FrameGraph) -> None:
         """Tint the picture by the maps, after light has fallen on it."""
-        things = isinstance(self.cascades, Cascades)
+        maps = self.cascades if isinstance(self.cascades, Cascades) else None
         graph.fullscreen(
             "shadows.show",
             "package::shadows::show",
@@ -123,10 +123,10 @@ class Shadows:
             depth="gbuffer.depth",
             depth_compare="less",
             blend="multiply",
-            bind={"view": "view", "depth_buffer": "gbuffer.depth"} | (self.cascades.bind if things else {}),
+            bind={"view": "view", "depth_buffer": "gbuffer.depth"} | (maps.bind if maps else {}),
             structs=[CASCADES],
-            constants=_ABSENT | (self.cascades.constants if things else {}),
-            flags={"THINGS": things, "MODELS": False, "WIDE": False},
+            constants=_ABSENT | (maps.constants if maps else {}),
+            flags={"THINGS": maps is not None, "MODELS": False, "WIDE": False},
             order=0.5,
         )
 

@@ -88,7 +88,7 @@ class Packed:
         )
         target: dict[str, str] = {"view": "shadows.view", "depth": "shadows.drawn"}
         terrain.add_casters(graph, "shadows", **target, when=due)
-        if has_plants:
+        if plants is not None and has_plants:
             plants.add_casters(graph, "shadows", **target, when=due)
         models.add_casters(graph, **target, chosen=lambda model: self._due)
         graph.compute(

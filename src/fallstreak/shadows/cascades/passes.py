@@ -76,12 +76,13 @@ class Cascades:
 
     def __init__(self, graph: FrameGraph, near: float, *, plants: Any, models: Any, wide: bool):
         self._graph, self._plants, self._models = graph, plants, models
-        has_plants = plants is not None and bool(plants.stands)
+        stands = plants.stands if plants is not None else ()
+        has_plants = bool(stands)
         self.any = has_plants or len(models) > 0
         self.drawn: set[int] = set()
         if not self.any:
             return
-        radius = max((s.radius for s in plants.stands), default=0.0) if has_plants else 0.0
+        radius = max((s.radius for s in stands), default=0.0)
         levels = MOST if len(models) else min(max(1 + ceil(log(max(radius / near, 1.0), 4)), 1), MOST)
         self._keep = Keep([near * 4.0**n for n in range(levels)], TEXELS)
         self._large, self._moving = levels, levels + 1
