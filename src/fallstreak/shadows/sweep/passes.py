@@ -21,7 +21,7 @@ MOST_TILES = 20
 TILE = 32
 KEPT = (2, 4)
 """Every second line and every fourth sample along it is kept as it is, for the next finer level."""
-BEFORE = {False: 1.0, True: 2.0}
+BEFORE = {False: 1.0, True: 4.0}
 """Samples by which a wall is asked for before itself; where land has overhangs, one height stands for two."""
 LOWEST, HIGHEST = radians(-6.0), radians(85.0)
 """Elevations between which the light is taken to be."""
