@@ -138,3 +138,22 @@ def test_after_a_flight_a_picture_is_that_of_a_fresh_renderer(files, technique):
         bare = without.render(FRAMES - 1).ldr
     np.testing.assert_array_equal(kept, anew)
     assert (bare.astype(int) - kept > 30).all(-1).sum() > 40, "shadows are in sight"
+
+
+def test_plants_throw_shadows():
+    """Among trees the sun goes missing; without shadows the ground is darkened evenly instead."""
+    with_sun = [
+        "time=2025-06-21T16:00:00-05:00",
+        "film.exposure=fixed",
+        "film.ev100=14",
+        "clouds.layers=[]",
+        "camera.pitch=-25",
+        "camera.height=40",
+    ]
+    hdr = {}
+    for technique in ("none", "stable"):
+        world = fs.load("jacksboro", overrides=[*with_sun, f"shadows.technique={technique}"])
+        hdr[technique] = fs.render(world, SIZE, "low", samples=1, layers=("hdr", "depth"))
+    near = hdr["none"].depth < 250.0
+    share = hdr["stable"].hdr.mean(-1)[near] / hdr["none"].hdr.mean(-1)[near]
+    assert (share < 0.5).sum() > 200
