@@ -79,6 +79,7 @@ class Shadows:
             "shadows": "shadows.frame",
             "depth_buffer": "gbuffer.depth",
             "normal_buffer": "gbuffer.normal",
+            "surface_buffer": "gbuffer.surface",
             "repeat": "sampler:linear-repeat",
         }
         constants: dict[str, Any] = dict(_ABSENT)
