@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     from ..world.quality import Quality
     from ..world.state import FrameState
 
-_ABSENT = {
-    **{"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1},
-    **{"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0},
-}
+_ABSENT = {"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1}
+_ABSENT |= {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0}
 """Constants of what a world does not have, so that shaders link with every combination of flags."""
 
 

@@ -4,7 +4,7 @@ What it is
     Four square maps about the camera (`window`), each four times as wide as the one before; they do not turn
     with it and lie on whole texels of the plane that faces the light, so that nothing flickers when it moves
     or turns. What stands still in them is drawn once and kept until the camera leaves a map's margin, the
-    light turns or a thing changes: one map a frame (`keep`).
+    light turns or a thing changes (`keep`).
     What moves has a map of its own, fitted to it and drawn in each frame; so has what is large, still or
     not: a map along the light holds for receivers at any distance, and a ship five kilometres long throws
     its shadow 50 km. Whoever asks takes the nearer of what stands still and what moves: a moving thing is
@@ -20,8 +20,9 @@ Limits
     disc.
 
 Files
-    ``window`` (float64: where maps lie), ``keep`` (which are due), ``passes``, ``store.wesl`` (a drawn map
-    into its layer), ``lookup.wesl`` (what others ask); ``infinity``, ``packed.wesl`` (the journal's)
+    ``window`` (float64: where maps lie), ``keep`` (which are due), ``passes``, ``drawn`` and ``store.wesl``
+    (a map as it is drawn, and into its layer), ``lookup.wesl`` (what others ask); ``infinity`` and
+    ``packed.wesl`` (the journal's)
 """
 
 from .infinity import PACKED, Packed

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...gpu import VIEW, FrameGraph, Struct
 from ...world.state import view_values
-from .passes import LOWEST, STORE_JOB
+from .drawn import STORE_JOB, TEXELS, add_drawn
+from .passes import LOWEST
 from .window import basis, slice_around
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
 ENDS = (150.0, 500.0, 1666.0, 5555.0)
 """m along the view axis, as far as each map reaches."""
-TEXELS = 1024
-"""Along a side of one of them; packed they are twice as wide."""
 TOWARDS = 0.1
 """Of a slice's far end: how much farther a map reaches towards the light; what is beyond lies there."""
 
@@ -65,7 +64,6 @@ class Packed:
         self.structs = (PACKED,)
         self.constants: dict[str, Any] = {}
         self.flags: dict[str, bool] = {}
-        graph.texture("shadows.drawn", "depth32float", (TEXELS, TEXELS), persistent=True)
         graph.texture(
             "shadows.packed",
             "r32float",
@@ -77,29 +75,12 @@ class Packed:
         def due() -> bool:
             return self._due
 
-        graph.render(  # the first that draws into a map clears it, and there may be nothing to draw
-            "shadows.clear",
-            "package::gpu::fullscreen",
-            depth="shadows.drawn",
-            fragment=None,
-            vertices=0,
-            when=due,
-            order=-1.0,
-        )
+        add_drawn(graph, "shadows.packed", packed=True, when=due)
         target: dict[str, str] = {"view": "shadows.view", "depth": "shadows.drawn"}
         terrain.add_casters(graph, "shadows", **target, when=due)
         if plants is not None and has_plants:
             plants.add_casters(graph, "shadows", **target, when=due)
         models.add_casters(graph, **target, chosen=lambda model: self._due)
-        graph.compute(
-            "shadows.store",
-            "package::shadows::cascades::store",
-            bind={"job": "shadows.store", "drawn": "shadows.drawn", "output": "shadows.packed"},
-            groups=(TEXELS // 16, TEXELS // 16, 1),
-            structs=[STORE_JOB],
-            flags={"PACKED": True},
-            when=due,
-        )
 
     def update(self, key: np.ndarray, state: FrameState, fresh: bool) -> None:
         """Draw all maps anew; after the updates of ground and models.

@@ -9,13 +9,13 @@ import numpy as np
 
 from ...gpu import VIEW, FrameGraph, Struct
 from ...world.state import view_values
+from .drawn import STORE_JOB, TEXELS, add_drawn
 from .keep import Keep, axes_near
 from .window import Window, about, basis
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
 
-TEXELS = 1024
 MOST = 4
 """Maps of still things about the camera."""
 LARGE_RADIUS = 100.0
@@ -45,7 +45,6 @@ CASCADES = Struct(
         ),
     ],
 )
-STORE_JOB = Struct("StoreJob", [("layer", "u32", "where the drawn map goes")])
 
 
 class Cascades:
@@ -101,24 +100,11 @@ class Cascades:
         self._declare(graph, levels + 2 * (len(models) > 0), has_plants)
 
     def _declare(self, graph: FrameGraph, layers: int, has_plants: bool) -> None:
-        graph.texture("shadows.drawn", "depth32float", (TEXELS, TEXELS), persistent=True)
         graph.texture(
             "shadows.maps", "r32float", (TEXELS, TEXELS, layers), dimension="2d-array", persistent=True
         )
 
-        def due() -> bool:
-            return self._job is not None
-
-        # the first that draws into a map clears it, and there may be nothing to draw
-        graph.render(
-            "shadows.clear",
-            "package::gpu::fullscreen",
-            depth="shadows.drawn",
-            fragment=None,
-            vertices=0,
-            when=due,
-            order=-1.0,
-        )
+        add_drawn(graph, "shadows.maps", packed=False, when=lambda: self._job is not None)
         if has_plants:
             self._plants.add_casters(
                 graph,
@@ -128,15 +114,6 @@ class Cascades:
                 when=lambda: self._job is not None and self._job < self._large,
             )
         self._models.add_casters(graph, view="shadows.view", depth="shadows.drawn", chosen=self._chosen)
-        graph.compute(
-            "shadows.store",
-            "package::shadows::cascades::store",
-            bind={"job": "shadows.store", "drawn": "shadows.drawn", "output": "shadows.maps"},
-            groups=(TEXELS // 16, TEXELS // 16, 1),
-            structs=[STORE_JOB],
-            flags={"PACKED": False},
-            when=due,
-        )
 
     def _chosen(self, model: int) -> bool:
         """Whether a model is drawn into the map of the job in hand."""
