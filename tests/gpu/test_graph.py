@@ -200,6 +200,25 @@ def test_uniforms_upload_only_what_changed(device):
     assert view.set(time=2.0)
 
 
+def test_a_texture_of_data_is_overwritten(device):
+    graph = FrameGraph(device)
+    graph.texture_data("given", np.zeros((2, 3), np.float32), "r32float")
+    graph.texture("after", "r32float", (3, 2))
+    graph.compute(
+        "after", MODULE, entry="count", bind={"before": "given", "after": "after"}, groups=(1, 1, 1)
+    )
+    graph.output("after")
+    graph.compile()
+    graph.execute()
+    np.testing.assert_array_equal(graph.read("after"), 1.0)
+    given = np.arange(6, dtype=np.float32).reshape(2, 3)
+    graph.upload("given", given)
+    graph.execute()
+    np.testing.assert_array_equal(graph.read("after").squeeze(), given + 1.0)
+    with pytest.raises(GraphError, match="do not fill"):
+        graph.upload("given", given[0])
+
+
 def test_mistakes_are_named(device):
     graph = FrameGraph(device)
     graph.texture("a", "rgba32float", (8, 8))

@@ -54,7 +54,6 @@ class Stage:
                 "found": "found",
             },
             groups=(PLACES // 64, 1, 1),
-            structs=self.sweep.structs,
             constants=self.sweep.constants,
         )
         self.graph.output("shadows.sweep", "terrain.shape", "found")

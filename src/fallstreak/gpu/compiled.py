@@ -247,13 +247,23 @@ class Compiled:
         return 1
 
     def upload(self, name: str, data: np.ndarray) -> None:
-        """Overwrite the start of a buffer, from the next frame on; see `FrameGraph.upload`."""
+        """Overwrite a texture or the start of a buffer, from the next frame on; see `FrameGraph.upload`."""
+        if name in self.textures:
+            self._overwrite(self.textures[name], data)
+            return
         size = self.buffers[name].size
         if data.nbytes > size:
             raise GraphError(f"{data.nbytes:,} bytes do not fit into {name!r} of {size:,}")
         if name in self.physical and data.nbytes:
             with translated(f"writing {name}"):
                 self.device.queue.write_buffer(self.physical[name].at(0), 0, np.ascontiguousarray(data))
+
+    def _overwrite(self, decl: TextureDecl, data: np.ndarray) -> None:
+        if decl.data is None or data.nbytes != decl.data.nbytes:
+            raise GraphError(f"{data.nbytes:,} bytes do not fill {decl.name!r}")
+        if decl.name in self.physical:
+            with translated(f"writing {decl.name}"):
+                res.upload_texture(self.device, self.physical[decl.name].at(0), data, decl.size)
 
     # ---- looking in ------------------------------------------------------------------------------------
 

@@ -74,7 +74,7 @@ class Declarations:
     def texture_data(
         self, name: str, data: np.ndarray, format: str, *, dimension: str | None = None, mips: bool = False
     ) -> str:
-        """Declare a texture with fixed contents.
+        """Declare a texture whose contents Python gives, once or by `upload`.
 
         Parameters
         ----------

@@ -352,7 +352,7 @@ class FrameGraph(Declarations):
         self.compiled.make(name)
 
     def upload(self, name: str, data: np.ndarray) -> None:
-        """Overwrite the start of a `buffer_data`, from the next frame on."""
+        """Overwrite a `texture_data`, or the start of a `buffer_data`, from the next frame on."""
         self.compiled.upload(name, data)
 
     def read_async(self, name: str, mip: int = 0) -> Pending:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..gpu import FrameGraph
 from .cascades import CASCADES, PACKED, Cascades, Packed
 from .frame import SHADOWS, shadow_values
-from .sweep import SWEEP, Sweep
+from .sweep import Sweep
 
 if TYPE_CHECKING:
     from ..world import World
@@ -97,7 +97,7 @@ class Shadows:
             depth_compare="less",
             depth_write=False,
             bind=bind,
-            structs=[SHADOWS, SWEEP, CASCADES, PACKED],
+            structs=[SHADOWS, CASCADES, PACKED],
             constants=constants,
             flags={
                 "WOODS": terrain.wooded,

@@ -24,6 +24,6 @@ Files
     ``passes``, ``sweep.wesl``, ``lookup.wesl`` (what others ask)
 """
 
-from .passes import SWEEP, Sweep
+from .passes import Sweep
 
-__all__ = ["SWEEP", "Sweep"]
+__all__ = ["Sweep"]

@@ -15,7 +15,6 @@ from .schedule import STEP, Schedule, key_near
 if TYPE_CHECKING:
     from ...world.state import FrameState
 
-MAX_LEVELS = 16
 MOST_TILES = 20
 """Of 32 samples, that are swept of a window's width: memory."""
 TILE = 32
@@ -26,17 +25,6 @@ BEFORE = {False: 1.0, True: 4.0}
 LOWEST, HIGHEST = radians(-6.0), radians(85.0)
 """Elevations between which the light is taken to be."""
 
-SWEEP = Struct(
-    "Sweep",
-    [
-        (
-            "levels",
-            f"array<vec4f, {MAX_LEVELS}>",
-            "camera in the window (major, minor; widths), minor over major, 1: north",
-        ),
-        ("finest", "f32", "level that can be asked for"),
-    ],
-)
 SWEEP_JOB = Struct(
     "SweepJob",
     [
@@ -72,7 +60,7 @@ class Sweep:
 
     Attributes
     ----------
-    bind, structs, constants
+    bind, constants
         What a shader needs that looks up.
     """
 
@@ -84,12 +72,10 @@ class Sweep:
         self._levels = levels = profile.levels
         self._spacing = profile.spacing * 2.0 ** np.arange(levels)
         self._schedule = Schedule(levels, width)
-        self._lies = np.zeros((levels, 4))  # of SWEEP.levels, as seen from the window's first sample
-        self._frame = graph.uniform("shadows.sweep_frame", SWEEP)
+        self._lies = np.zeros((levels, 4))  # as lookup.wesl has them, but from the window's first sample
         self._job = graph.uniform("shadows.sweep_job", SWEEP_JOB)
         self._due = False
-        self.bind = {"sweep": "shadows.sweep_frame", "sweep_map": "shadows.sweep"}
-        self.structs = (SWEEP,)
+        self.bind = {"sweep_levels": "shadows.sweep_levels", "sweep_map": "shadows.sweep"}
         self.constants = {
             "SWEEP_SPACING": float(profile.spacing),
             "SWEEP_WIDTH": width,
@@ -99,6 +85,8 @@ class Sweep:
         graph.texture(
             "shadows.sweep", "rgba16float", (width, width, levels), dimension="2d-array", persistent=True
         )
+        nowhere = np.zeros((1, levels + 1, 4), np.float32)
+        graph.texture_data("shadows.sweep_levels", nowhere, "rgba32float")
         kept = (width // KEPT[0]) * (width // KEPT[1])
         graph.buffer("shadows.sweep_kept", 8 * kept * levels, persistent=True)
         graph.compute(
@@ -141,7 +129,7 @@ class Sweep:
             if number < len(due) - 1:
                 self._graph.make("shadows.sweep")
         self._due = bool(due)
-        self._frame.set(**self._frame_values(samples, finest))
+        self._graph.upload("shadows.sweep_levels", self._levels_from(samples, finest))
 
     def _lay(self, level: int, key: np.ndarray, radius: float) -> None:
         """Set the job of a level."""
@@ -196,10 +184,11 @@ class Sweep:
             ),
         }
 
-    def _frame_values(self, samples: np.ndarray, finest: int) -> dict[str, Any]:
-        """Every field of `SWEEP`: the camera moves, the windows stay."""
-        lies = np.zeros((MAX_LEVELS, 4))
+    def _levels_from(self, samples: np.ndarray, finest: int) -> np.ndarray:
+        """What lookup.wesl asks of each level: the camera moves, the windows stay."""
+        texels = np.zeros((1, self._levels + 1, 4), np.float32)
         place = (samples - self._schedule.firsts) / self._width
-        lies[: self._levels] = self._lies
-        lies[: self._levels, :2] += np.where(self._lies[:, 3:] > 0.5, place[:, ::-1], place)
-        return {"levels": lies, "finest": float(finest)}
+        lies = self._lies.copy()
+        lies[:, :2] += np.where(self._lies[:, 3:] > 0.5, place[:, ::-1], place)
+        texels[0, :-1], texels[0, -1, 0] = lies, finest
+        return texels
