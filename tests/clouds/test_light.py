@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
+from shader_probes import find_probes
 
 from fallstreak.clouds import light
 from fallstreak.clouds.genera import GENERA
 from fallstreak.clouds.shapes import load
-from fallstreak.gpu import FrameGraph, shader
-
-from .probes import WithProbes
+from fallstreak.gpu import FrameGraph
 
 # reflectance of a slab, overhead sun, Henyey-Greenstein 0.85: the project's Monte Carlo
 TABLE = {1: 0.042, 2: 0.092, 5: 0.238, 10: 0.423, 20: 0.617, 50: 0.809}
@@ -168,7 +167,7 @@ def test_light_comes_upright_through_wide_layers():
 
 @pytest.fixture
 def probe(monkeypatch):
-    monkeypatch.setattr(shader, "_resolve", WithProbes(shader._resolve))
+    find_probes(monkeypatch, __file__)
 
 
 def test_shader_agrees_with_the_twin(device, probe):

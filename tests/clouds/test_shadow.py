@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from shader_probes import find_probes
 
 from fallstreak.clouds import light
 from fallstreak.clouds.field import field_of
@@ -13,11 +14,9 @@ from fallstreak.clouds.field.passes import FieldPasses
 from fallstreak.clouds.shadow import CLOUD_SHADOW, ShadowMap
 from fallstreak.clouds.shadow.model import LOWEST, REACHES, local_key, shadow_values
 from fallstreak.clouds.shadow.schedule import MAPS, Schedule
-from fallstreak.gpu import FrameGraph, shader
+from fallstreak.gpu import FrameGraph
 from fallstreak.world import World
 from fallstreak.world.state import CameraState, FrameState, position_on_planet
-
-from .probes import WithProbes
 
 RADIUS = 6_360_000.0
 PLACES = 512
@@ -88,13 +87,13 @@ class Stage:
 
 @pytest.fixture(autouse=True)
 def probes(monkeypatch):
-    monkeypatch.setattr(shader, "_resolve", WithProbes(shader._resolve))
+    find_probes(monkeypatch, __file__)
 
 
 @pytest.fixture(scope="module")
 def fair(device):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(shader, "_resolve", WithProbes(shader._resolve))
+        find_probes(patch, __file__)
         return Stage(device)
 
 

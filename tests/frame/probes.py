@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from pathlib import Path
 
 import numpy as np
 
 from fallstreak.gpu import VIEW, FrameGraph
 from fallstreak.world.state import CameraState, FrameState, camera_rotation, view_values
 
-HERE = Path(__file__).parent
 SIZE = (128, 72)
 FLAGS = ("AGX", "GRADED", "NEUTRAL", "SRGB", "GAMMA", "NIGHT", "DITHER", "BLOOM", "DEEP", "NIGHT_VISION")
 

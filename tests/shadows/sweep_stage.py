@@ -6,10 +6,11 @@ from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
+from shader_probes import find_probes
 
 import fallstreak as fs
 from fallstreak.frame.gbuffer import add_gbuffer
-from fallstreak.gpu import VIEW, FrameGraph, shader
+from fallstreak.gpu import VIEW, FrameGraph
 from fallstreak.shadows.sweep import Sweep
 from fallstreak.terrain.passes import Terrain
 from fallstreak.world.quality import QUALITY
@@ -22,8 +23,6 @@ from fallstreak.world.state import (
     view_values,
 )
 
-from .probes import WithProbes
-
 PLACES = 16384
 SIZE = (640, 360)
 
@@ -32,7 +31,7 @@ class Stage:
     """A world's land; `look` renders a frame and says what light arrives at places."""
 
     def __init__(self, device, monkeypatch, scene="jacksboro", overrides=(), **quality):
-        monkeypatch.setattr(shader, "_resolve", WithProbes(shader._resolve))
+        find_probes(monkeypatch, __file__)
         self.world = fs.load(scene, overrides=["terrain.vegetation=0", *overrides])
         self.quality = replace(QUALITY["low"], **quality)
         self.graph = FrameGraph(device)

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from models.files import Maker, cube
+from shader_probes import find_probes
 
 import fallstreak as fs
 from fallstreak.frame.gbuffer import add_gbuffer
-from fallstreak.gpu import VIEW, FrameGraph, shader
+from fallstreak.gpu import VIEW, FrameGraph
 from fallstreak.models.passes import Models
 from fallstreak.models.poses import PlacedModels
 from fallstreak.shadows.cascades import Cascades
@@ -20,7 +21,6 @@ from fallstreak.shadows.cascades.passes import TEXELS
 from fallstreak.shadows.cascades.window import MARGIN, about, basis
 from fallstreak.world.state import CameraState, FrameState, view_values
 
-from .probes import WithProbes
 from .rays import shaded
 
 PLACES = 16384
@@ -136,7 +136,7 @@ class Stage:
     """Models alone, with the maps of things and a pass that asks at places."""
 
     def __init__(self, device, monkeypatch, models, wide=False):
-        monkeypatch.setattr(shader, "_resolve", WithProbes(shader._resolve))
+        find_probes(monkeypatch, __file__)
         self.world = fs.World(models=models)
         self.placed = PlacedModels(self.world)
         self.graph = FrameGraph(device)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from shader_probes import find_probes
 
-from fallstreak.gpu import FrameGraph, shader
+from fallstreak.gpu import FrameGraph
 from fallstreak.terrain.cover.canyon import PALETTE, cover
 from fallstreak.terrain.cover.cover import Sites
 from fallstreak.terrain.land.canyons import Canyons
@@ -17,7 +17,6 @@ from fallstreak.terrain.land.canyons_strata import FALL
 from fallstreak.terrain.land.shape import LAND
 from fallstreak.terrain.materials import MATERIALS
 
-PROBE = Path(__file__).with_name("canyons_probe.wesl")
 SEED = 104  # as in the probe
 VALUES = {"base_height": 1600.0, "relief": 350.0, "feature_size": 3e3, "roughness": 0.5, "water_level": -1e5}
 PLACE = [
@@ -33,19 +32,8 @@ def land():
 
 @pytest.fixture
 def probe(monkeypatch):
-    """The GPU finds the shader beside this file as a module of the package."""
-    package = shader._resolve
-
-    class WithProbe:
-        def __call__(self, path):
-            if path == ("canyons_probe",):
-                return PROBE.read_text(encoding="utf-8"), PROBE.name
-            return package(path)
-
-        def names(self):
-            return [*package.names(), "canyons_probe"]
-
-    monkeypatch.setattr(shader, "_resolve", WithProbe())
+    """The GPU finds the shaders beside this file as modules of the package."""
+    find_probes(monkeypatch, __file__)
 
 
 def on_gpu(device, entry, east, north, step, **fields):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from shader_probes import find_probes
 
-from fallstreak.gpu import FrameGraph, shader
+from fallstreak.gpu import FrameGraph
 from fallstreak.terrain.land import character, erosion
 from fallstreak.terrain.land.alpine import Alpine
 from fallstreak.terrain.land.dunes import Dunes
@@ -19,7 +19,6 @@ from fallstreak.terrain.model import TerrainModel
 from fallstreak.terrain.queries import sites
 from fallstreak.world.terrain import PRESETS
 
-PROBE = Path(__file__).with_name("land_probe.wesl")
 SEED = 104
 KINDS = {"alpine": Alpine, "plains": Plains, "dunes": Dunes}
 
@@ -36,18 +35,7 @@ def make(kind, **changes):
 @pytest.fixture
 def probe(monkeypatch):
     """The GPU finds the shader beside this file as a module of the package."""
-    package = shader._resolve
-
-    class WithProbe:
-        def __call__(self, path):
-            if path == ("land_probe",):
-                return PROBE.read_text(encoding="utf-8"), PROBE.name
-            return package(path)
-
-        def names(self):
-            return [*package.names(), "land_probe"]
-
-    monkeypatch.setattr(shader, "_resolve", WithProbe())
+    find_probes(monkeypatch, __file__)
 
 
 def on_gpu(device, kind, east, north, step, **changes):
