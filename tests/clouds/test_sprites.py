@@ -9,7 +9,7 @@ import pytest
 
 import fallstreak as fs
 from fallstreak.clouds.field import field_of
-from fallstreak.clouds.sprites.grain import STEEPEST, grain
+from fallstreak.clouds.grain import STEEPEST, grain
 from fallstreak.world.state import map_coordinates
 
 SIZE = (96, 54)

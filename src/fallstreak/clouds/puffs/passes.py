@@ -9,9 +9,9 @@ import numpy as np
 from ...gpu import VIEW, FrameGraph
 from ...world.state import FrameState, map_coordinates
 from ..frame import CLOUD_FRAME
+from ..grain import grain
 from ..order import add_order
 from ..shadow import CLOUD_SHADOW
-from ..sprites.grain import grain
 from .levels import FLAT_ROWS, SIZES, Grid, Slab, fineness_of, grid_struct, grid_values, grids, looks, reaches
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ import numpy as np
 
 from ...gpu import FrameGraph
 from ...world.state import FrameState, local_axes, map_coordinates
+from ..grain import grain
 from .artist import paint
 from .draw import MOST, add_sprites
-from .grain import grain
 from .ring.passes import Ring
 from .scope import SPRITE_SCOPE
 from .stock import stock

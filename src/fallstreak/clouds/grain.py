@@ -1,4 +1,4 @@
-"""The field's noise with its gradient: what eats at sprites also bends their normals."""
+"""The field's noise with its gradient: what eats at sprites and puffs also bends their normals."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..field import volume
+from .field import volume
 
 STEEPEST = 16.0
 """Gradient, per repeat, that is kept at most."""
