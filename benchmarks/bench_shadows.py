@@ -1,28 +1,35 @@
 """Shadows: what 50 km of them cost, how fine they are, how still they stand and how well they keep to rays.
 
-Acne of the maps of things, their shadows against rays and their stillness on the GPU are tests
-(``tests/shadows``); here are the figures of the land, of where maps lie, of memory and of whole frames.
+Acne of the maps of things and their shadows against rays are tests (``tests/shadows``); here are the figures
+of the land, of stillness, of memory and of whole frames.
 """
 
+import sys
 import time
 from contextlib import ExitStack
 from math import cos, pi, radians, sin, tan
+from pathlib import Path
 from statistics import median
 
 import numpy as np
-from shadow_peers import beside
 
 import fallstreak as fs
+from fallstreak.gpu import Device
 from fallstreak.shadows.cascades.keep import around, axes_near
 from fallstreak.shadows.cascades.passes import TEXELS
-from fallstreak.shadows.cascades.window import basis, slice_around
 from fallstreak.shadows.sweep import model
 from fallstreak.terrain.model import terrain_model
+
+sys.path.insert(0, str(Path(__file__).parent))  # the files beside this one
+
+from shadow_peers import beside
+from shadow_shimmer import land_steps, map_steps, walk
+from shadow_stage import Stage
 
 RADIUS = 6_371_000.0
 AZIMUTHS = (20, 80, 140, 200, 260, 320)
 PIXEL = 2.0 * tan(radians(31.0)) / 720
-SPLITS = (0.5, 150.0, 500.0, 1666.0, 5555.0)
+SHIP = {"file": "ship", "above": "sea", "east": 6195.0, "north": -38e3, "height": 3480.0}
 
 
 def run(report):
@@ -39,11 +46,10 @@ def run(report):
 def _cost(report):
     """Whole frames over those without shadows, of the same world, drawn in turn."""
     scene = fs.load("long_shadows")
-    ship = {"file": "ship", "above": "sea", "east": 6195.0, "north": -38e3, "height": 3480.0}
     ahead = {"camera.keyframes": [{"at": 0, "north": -38519.0}, {"at": 10, "north": -37919.0}]}
     rows = []
     for name, changes, goal in (
-        ("all stands still", {"models": [ship]}, "<= 1.2"),
+        ("all stands still", {"models": [SHIP]}, "<= 1.2"),
         ("a ship of 5 km moves", {}, "<= 1.5"),
         ("the ship and the camera (60 m/s) move", ahead, "<= 1.5"),
     ):
@@ -103,43 +109,38 @@ def _texels(report):
 
 
 def _shimmer(report):
-    """Places that fall into another texel as the camera moves by tenths of one, and as it turns."""
-    key = np.array([0.6, -0.3, 0.4]) / np.linalg.norm([0.6, -0.3, 0.4])
-    places = np.random.default_rng(1).uniform(-25.0, 25.0, (20000, 3)) * [1, 1, 0.05]
-    start = np.array([2.1e5, -3.7e5, 1200.0])
-    for name, window in (
-        ("stable", lambda eye, turn: around(axes_near(key, 0), eye, 40.0, TEXELS)),
-        ("infinity2007", lambda eye, turn: _slice(key, eye, turn)),
+    """What flips though nothing has moved but the camera: see `shadow_shimmer`."""
+    device = Device.open()
+    rows = []
+    for scene, changes in (
+        ("long_shadows", {"models": [SHIP]}),
+        ("jacksboro", {"time": "2025-10-18T17:00:00-04:00"}),
     ):
-        before, flips, looked = None, 0, 0
-        for step in range(60):
-            eye, turn = start + 0.0086 * step * np.array([0.8, 0.6, 0.0]), radians(0.3) * step
-            rows = window(eye, turn).rows(eye).astype(np.float32)
-            near = (start + places - eye).astype(np.float32)
-            held = np.floor((near @ rows[:2, :3].T + rows[:2, 3]) * TEXELS - 0.5)
-            if before is not None and name == "stable":
-                # the map's content stands still in the world: whole texels are no change
-                shift = np.round(np.median(held - before, axis=0))
-                flips += int((held - before != shift).any(1).sum())
-            elif before is not None:
-                flips += int((held != before).any(1).sum())
-            looked += len(places)
-            before = held
-        report.add(
-            f"places that fall into another texel, {name}",
-            100.0 * flips / looked,
-            "%",
-            goal="<= 0.01" if name == "stable" else None,
-            how="20,000 places within 25 m, 60 steps of a tenth of a texel and 0.3 degrees, single precision",
-        )
-
-
-def _slice(key, eye, turn):
-    """The journal's first map: fitted to what is seen to 150 m."""
-    c, s = cos(turn), sin(turn)
-    rotation = np.array([[c, 0, -s], [s, 0, c], [0, 1, 0]], float)
-    tangents = (tan(radians(31.0)) * 16 / 9, tan(radians(31.0)))
-    return slice_around(basis(key), eye, rotation, tangents, SPLITS[0], SPLITS[1], 0.1 * SPLITS[1])
+        for technique in ("stable", "infinity2007"):
+            world = fs.load(scene).updated(changes | {"shadows.technique": technique, "clouds.layers": []})
+            stage = Stage(device, world, (640, 360))
+            found = walk(stage)
+            goal = "<= 0" if technique == "stable" else None
+            how = "640x360 low, 20 steps of 8.6 mm and 0.3 degrees, the same places of the world"
+            name = f"{scene}, {technique}"
+            report.add(
+                f"places whose shadow flips: {name}",
+                found.count,
+                "",
+                goal=goal,
+                how=f"{found.places:,}, {how}",
+            )
+            how = f"{found.pixels:,} pixels of pictures of the same steps, beside the edges"
+            report.add(f"pixels whose shadow flips: {name}", found.pixels_flipped, "", goal=goal, how=how)
+            sources = [found.flipped[source, near] for source in ("land", "things") for near in (True, False)]
+            rows.append((name, found.places, *sources, found.at_steps))
+            if scene == "long_shadows" and technique == "stable":
+                land, things = land_steps(stage), map_steps(stage)
+    columns = ("", "places", "land to 40 m", "beyond", "things to 40 m", "beyond", "where a map is drawn")
+    report.table("flips in steps of a tenth of a texel", columns, rows)
+    columns = ("", "m", "places", "flipped")
+    rows = [("land, samples apart", *row) for row in land] + [("things, to", *row) for row in things]
+    report.table("flips as the camera leaves a window that was kept: long_shadows, stable", columns, rows)
 
 
 def _between(grid, column, row):
