@@ -22,6 +22,7 @@ from fallstreak.terrain.model import terrain_model
 
 sys.path.insert(0, str(Path(__file__).parent))  # the files beside this one
 
+from shadow_edges import edges
 from shadow_peers import beside
 from shadow_shimmer import land_steps, map_steps, walk
 from shadow_stage import Stage
@@ -37,6 +38,7 @@ def run(report):
     _peers(report)
     _texels(report)
     _shimmer(report)
+    _edges(report)
     _rays(report)
     _curve(report)
     _acne(report)
@@ -141,6 +143,33 @@ def _shimmer(report):
     columns = ("", "m", "places", "flipped")
     rows = [("land, samples apart", *row) for row in land] + [("things, to", *row) for row in things]
     report.table("flips as the camera leaves a window that was kept: long_shadows, stable", columns, rows)
+
+
+def _edges(report):
+    """Where shadows of land end in whole pictures, against rays through the land's own model."""
+    device = Device.open()
+    rows = []
+    for name, scene, time_ in (
+        ("long_shadows, 3 degrees", "long_shadows", None),
+        ("jacksboro, 8 degrees", "jacksboro", "2025-10-18T18:10:00-04:00"),
+        ("jacksboro, 21 degrees", "jacksboro", "2025-10-18T17:00:00-04:00"),
+    ):
+        changes = {"models": [], "clouds.layers": [], "terrain.vegetation": 0.0}
+        stage = Stage(
+            device, fs.load(scene).updated(changes | ({"time": time_} if time_ else {})), (640, 360)
+        )
+        share, found = edges(stage, (0.0, 100.0, 1e3, 5e3, 20e3, 60e3))
+        how = "640x360 low, float64 rays through the land's model in samples of a pixel"
+        report.add(f"land in whole pictures against rays: {name}, IoU of the dark", share, "", how=how)
+        everywhere = np.concatenate([off for *_, off in found])
+        metric = f"edges in whole pictures against rays: {name}, 90 %"
+        report.add(metric, np.quantile(everywhere, 0.9), "pixels", how=how)
+        rows += [
+            (name, f"{low / 1e3:g}-{high / 1e3:g}", len(off), *map(float, np.quantile(off, (0.5, 0.9))))
+            for low, high, off in found
+        ]
+    columns = ("", "km", "pixels at edges", "median", "90 %")
+    report.table("edges of the land's shadows from those of rays, pixels of 640x360", columns, rows)
 
 
 def _between(grid, column, row):
