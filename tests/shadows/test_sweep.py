@@ -186,24 +186,23 @@ def test_from_beyond_the_map_nothing_is_swept_again_and_again(stage):
 
 def test_what_is_swept_depends_on_camera_and_light_alone():
     key = key_near(np.array([0.9, 0.0, 0.1]))
-    there = np.array([[700.0, -90.0]]) / 2.0 ** np.arange(4)[:, None]
-    straight, astray = Schedule(4, 384), Schedule(4, 384)
+    there = np.array([[704, -96], [352, -64], [160, -32], [96, 0]])
+    straight, astray = Schedule(4), Schedule(4)
     assert straight.due(there, key, 0, fresh=True) == [3, 2, 1, 0]
-    for step in (0.0, 0.3, 2.0):
-        astray.due(step * there, key_near(key + 0.01 * step), int(step), fresh=False)
+    for step in (0, 1, 2):
+        astray.due(there + 32 * step, key_near(key + 0.01 * step), step, fresh=False)
     astray.due(there, key, 0, fresh=False)
     np.testing.assert_array_equal(straight.firsts, astray.firsts)
     assert straight.known.all() and astray.known.all()
 
 
 def test_a_level_is_swept_again_with_the_coarser_one_and_none_when_nothing_changes():
-    schedule = Schedule(4, 384)
+    schedule = Schedule(4)
     key = key_near(np.array([0.9, 0.0, 0.1]))
-    middles = np.zeros((4, 2))
-    assert schedule.due(middles, key, 0, fresh=True) == [3, 2, 1, 0]
-    assert schedule.due(middles, key, 0, fresh=False) == []
-    assert schedule.due(middles + 31.0, key, 0, fresh=False) == []
-    moved = 70.0 / 2.0 ** np.arange(4)[:, None] + middles
+    firsts = np.zeros((4, 2), np.int64)
+    assert schedule.due(firsts, key, 0, fresh=True) == [3, 2, 1, 0]
+    assert schedule.due(firsts, key, 0, fresh=False) == []
+    moved = np.array([[64, 0], [32, 0], [0, 0], [0, 0]])
     assert schedule.due(moved, key, 0, fresh=False) == [1, 0]
     # levels that are not held do not wait for anybody, and are swept when they come back
     assert schedule.due(moved, key, 2, fresh=False) == []

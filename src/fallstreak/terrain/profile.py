@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..gpu import Struct
+from .clipmap import TILE
 from .frame import TERRAIN_FRAME
 
 if TYPE_CHECKING:
@@ -23,7 +26,7 @@ class Profile:
     Attributes
     ----------
     tiles : int
-        Width of every level's window, in tiles of 32 samples.
+        Width of every level's window, in tiles of 32 samples; even.
     spacing : float
         m, between samples of level 0; of the next twice as much each.
     levels : int
@@ -57,6 +60,11 @@ class Profile:
             {**clip.constants, "GROUND": MODULE},
             {"SHIFT": clip.flags["SHIFT"]},
         )
+
+    @property
+    def firsts(self) -> np.ndarray:
+        """First sample of each level's window in this frame, east and north: (levels, 2) int."""
+        return TILE * self.clip.clip.windows[: self.levels, :2].astype(np.int64)
 
     @property
     def finest(self) -> int:

@@ -10,18 +10,20 @@ import numpy as np
 from ...gpu import FrameGraph, Struct
 from ...world.state import local_axes, map_coordinates
 from .model import DISC
-from .schedule import STEP, Schedule, key_near
+from .schedule import Schedule, key_near
 
 if TYPE_CHECKING:
     from ...world.state import FrameState
 
 MOST_TILES = 20
-"""Of 32 samples, that are swept of a window's width: memory."""
+"""Of 32 samples, even, that are swept of a window's width: memory."""
 TILE = 32
 KEPT = (2, 4)
 """Every second line and every fourth sample along it is kept as it is, for the next finer level."""
 BEFORE = {False: 1.0, True: 4.0}
 """Samples by which a wall is asked for before itself; where land has overhangs, one height stands for two."""
+ABSENT = {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0}
+"""Constants of land that throws no shadows, so that shaders link with every combination of flags."""
 LOWEST, HIGHEST = radians(-6.0), radians(85.0)
 """Elevations between which the light is taken to be."""
 
@@ -66,12 +68,13 @@ class Sweep:
 
     def __init__(self, graph: FrameGraph, profile: Any):
         self._graph, self._profile = graph, profile
-        # a window moves in steps, and must lie in the clipmap's, which moves in others
-        tiles = min(profile.tiles - 1 - STEP // TILE, MOST_TILES)
+        # a window is the clipmap's, or its middle
+        tiles = min(profile.tiles, MOST_TILES)
+        self._rim = TILE * ((profile.tiles - tiles) // 2)
         self._width = width = tiles * TILE
         self._levels = levels = profile.levels
         self._spacing = profile.spacing * 2.0 ** np.arange(levels)
-        self._schedule = Schedule(levels, width)
+        self._schedule = Schedule(levels)
         self._lies = np.zeros((levels, 4))  # as lookup.wesl has them, but from the window's first sample
         self._job = graph.uniform("shadows.sweep_job", SWEEP_JOB)
         self._due = False
@@ -117,19 +120,16 @@ class Sweep:
             The first frame, or one after a cut: nothing from before counts.
         """
         camera = np.array(map_coordinates(state.camera.position, state.planet_radius))
-        # past the map's edge the windows stay behind
-        inside = min(1.0, self._profile.extent / max(float(np.hypot(*camera)), 1.0))
-        samples = camera / self._spacing[:, None]
         finest = int(self._profile.finest)
         near = key_near(key)
-        due = self._schedule.due(inside * samples, near, finest, fresh=fresh)
+        due = self._schedule.due(self._profile.firsts + self._rim, near, finest, fresh=fresh)
         for number, level in enumerate(due):
             self._lay(level, near, state.planet_radius)
             self._due = True
             if number < len(due) - 1:
                 self._graph.make("shadows.sweep")
         self._due = bool(due)
-        self._graph.upload("shadows.sweep_levels", self._levels_from(samples, finest))
+        self._graph.upload("shadows.sweep_levels", self._levels_from(camera / self._spacing[:, None], finest))
 
     def _lay(self, level: int, key: np.ndarray, radius: float) -> None:
         """Set the job of a level."""

@@ -11,8 +11,6 @@ from math import radians
 
 import numpy as np
 
-STEP = 64
-"""Samples by which a level's window moves: two tiles of the clipmap."""
 TURNED = radians(0.02)
 """By which the light turns from one sweep to the next: 10 m for shadows that are thrown 30 km far."""
 
@@ -29,30 +27,27 @@ class Schedule:
     Parameters
     ----------
     levels : int
-    width : int
-        Of a window, samples.
 
     Attributes
     ----------
     firsts : (levels, 2) int
-        First sample of each level's window, east and north.
+        First sample of each level's window when it was last swept.
     known : (levels,) bool
         Levels that are swept.
     """
 
-    def __init__(self, levels: int, width: int):
-        self._width = width
+    def __init__(self, levels: int):
         self.firsts = np.zeros((levels, 2), np.int64)
         self.known = np.zeros(levels, bool)
         self._key = np.zeros(3)
 
-    def due(self, middles: np.ndarray, key: np.ndarray, finest: int, *, fresh: bool) -> list[int]:
+    def due(self, firsts: np.ndarray, key: np.ndarray, finest: int, *, fresh: bool) -> list[int]:
         """Levels to sweep in a frame, coarse ones first; from now on they count as swept.
 
         Parameters
         ----------
-        middles : (levels, 2)
-            The camera on the map, in samples of each level.
+        firsts : (levels, 2) int
+            First sample of each level's window, east and north.
         key : (3,)
             Towards the light, from `key_near`.
         finest : int
@@ -60,7 +55,6 @@ class Schedule:
         fresh : bool
             Nothing from before counts.
         """
-        firsts = np.round(middles / STEP).astype(np.int64) * STEP - self._width // 2
         if fresh or not np.array_equal(key, self._key):
             self.known[:] = False
         moved = ~self.known | (firsts != self.firsts).any(1)
