@@ -46,3 +46,18 @@ def test_places_see_what_pixels_see(device):
     off = np.abs(light.prod(-1) - picture.light[seen])
     assert (off < 0.01).mean() > 0.8
     assert (picture.light[seen] < light.prod(-1) + 0.16).all()
+
+
+@pytest.mark.parametrize("ahead", [3.0, 30.0])
+def test_a_map_kept_on_the_way_is_that_drawn_afresh(device, ahead):
+    """Among spruces: what is seen after some metres does not hang on where a map was drawn."""
+    stage = stage_of(device, contact=0.0)
+    east = stage.pose().east
+    stage.begin()
+    for n in range(9):
+        kept, _ = stage.render(stage.camera(east + ahead * n / 8.0))
+    assert len(stage.shadows.cascades.drawn) < 3, "something is kept"
+    stage.begin()
+    fresh, _ = stage.render(stage.camera(east + ahead))
+    # a thing's edge may come to lie in the next texel by the rounding of single floats
+    assert (np.abs(kept.light - fresh.light) > 0.02).mean() < 4e-4

@@ -15,6 +15,9 @@ from .window import MARGIN, Window, basis
 TURNED = radians(0.02)
 """By which the light turns between two drawings: a texel of the finest map for a shadow 250 m long."""
 
+STEP = 24.0
+"""m by which a window moves at most: it is drawn with the plants that stand about its middle."""
+
 
 def axes_near(key: np.ndarray, number: int) -> np.ndarray:
     """`basis` of a light next to `key`, on a lattice of `TURNED`; maps have their own and take turns."""
@@ -24,10 +27,10 @@ def axes_near(key: np.ndarray, number: int) -> np.ndarray:
 
 
 def around(axes: np.ndarray, camera: np.ndarray, reach: float, texels: int) -> Window:
-    """The window that holds `reach` metres about a camera; it moves by its margins, in whole texels."""
+    """The window that holds `reach` metres about a camera; it moves by margins or `STEP`, in whole texels."""
     half = reach * (1.0 + MARGIN)
     texel = 2.0 * half / texels
-    step = texel * np.floor(2.0 * MARGIN * reach / texel)
+    step = texel * np.floor(min(2.0 * MARGIN * reach, STEP) / texel)
     middle = np.round(axes @ camera / step) * step
     return Window(axes, middle, np.array([half, half, 1.2 * half + 100.0]))
 

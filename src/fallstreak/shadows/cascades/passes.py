@@ -150,6 +150,8 @@ class Cascades:
                 self._graph.make("shadows.maps")
             self._job = number
             self._view.set(**values | {"clip_from_world": self._window(number).clip(camera)})
+            if self._has_plants:
+                self._graph.uniforms["shadows.eye"].set(place=self._window(number).eye(camera))
             self._store.set(layer=number)
         self.drawn = set(jobs)
         self._frame.set(**self._values(key, camera))

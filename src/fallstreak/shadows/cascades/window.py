@@ -68,6 +68,10 @@ class Window:
             np.array_equal(getattr(self, name), getattr(other, name)) for name in ("axes", "middle", "half")
         )
 
+    def eye(self, camera: np.ndarray) -> np.ndarray:
+        """Its middle as seen from a camera, world axes, m: a place that stays while it is kept."""
+        return self.axes.T @ self.middle - camera
+
     def texel(self, texels: int) -> float:
         """Width of a texel, m."""
         return 2.0 * float(self.half[0]) / texels

@@ -23,6 +23,10 @@ LEAST, WHOLE = 1.5, 14.0
 
 _WORDS = 12  # 32-bit words of a caster
 
+EYE = Struct(
+    "Eye", [("place", "vec3f", "m, camera-relative, world axes: plants are chosen as seen from there")]
+)
+
 
 def caster_rooms(stands: Sequence[Stand]) -> list[tuple[int, int]]:
     """First place and room of each kind's casters."""
@@ -70,7 +74,8 @@ def add_casters(
     Parameters
     ----------
     name : str
-        First part of the names of the passes and buffers declared here.
+        First part of the names of the passes and buffers declared here, and of the uniform ``.eye``: from
+        where plants are taken to be seen. Who keeps a map sets a place that does not follow the camera.
     view, depth : names
         As of `Vegetation.add_casters`.
     plants : Struct
@@ -92,13 +97,14 @@ def add_casters(
             counts=[(_indices(s), *room, 0) for s, room in zip(stands, rooms, strict=True)],
             pictures=[_picture(graph, s) for s in stands],
         )
+    graph.uniform(f"{name}.eye", EYE)
     own = {part: f"{name}.plants.{part}" for part in ("squares", "workgroups", "draws", "placed")}
     graph.buffer(own["squares"], 4 * squares, persistent=True)
     graph.buffer(own["workgroups"], 12, usage=("indirect",), persistent=True)
     graph.buffer(own["draws"], 20 * kinds, usage=("indirect",), persistent=True)
     graph.buffer(own["placed"], 4 * _WORDS * sum(room for _, room in rooms), persistent=True)
     options: dict[str, Any] = {
-        "structs": [TERRAIN_FRAME, plants, struct],
+        "structs": [TERRAIN_FRAME, plants, struct, EYE],
         "flags": ground["flags"],
         "when": when,
         "order": order,
@@ -109,6 +115,7 @@ def add_casters(
         "terrain": "terrain.frame",
         "plants": "plants",
         "casters": "plants.casters",
+        "eye": f"{name}.eye",
         "squares": own["squares"],
         "draws": own["draws"],
         **ground["bind"],
