@@ -17,11 +17,14 @@ import numpy as np
 
 from fallstreak.clouds.shadow import CLOUD_SHADOW
 from fallstreak.gpu import EXPOSURE, FrameGraph
+from fallstreak.shadows.frame import SHADOWS
+from fallstreak.shadows.sweep import ABSENT
 from fallstreak.sky.air import AIR
 from fallstreak.sky.light import LIGHT
 
 if TYPE_CHECKING:
     from fallstreak.clouds.passes import Clouds
+    from fallstreak.shadows.sweep import Sweep
 
 FAR_ALTITUDE = 20e3
 """Metres; from here on the air before clouds is marched, not looked up (see sky/lookup.wesl)."""
@@ -33,7 +36,7 @@ ORDER = 30.0
 """Among the passes that draw into the picture: after the sky, the moon and the stars."""
 
 
-def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
+def add_clouds(graph: FrameGraph, clouds: Clouds, sweep: Sweep | None = None) -> None:
     """Lay ``clouds.layer`` over ``frame.hdr``; nothing where a world has no clouds.
 
     Parameters
@@ -42,6 +45,8 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
         With the sky's passes and ``frame.exposure``.
     clouds : Clouds
         `moonlit` says whether sun or moon lights them.
+    sweep : Sweep, optional
+        Of the land, which then throws shadows on them.
     """
     if not clouds.any:
         return
@@ -64,7 +69,12 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
         "colour": "clouds.colour",
         "shadow": "clouds.shadow_frame",
         "overhead": "clouds.overhead",
+        "cast_shadows": "shadows.frame",
+        "repeat": "sampler:linear-repeat",
+        **(sweep.bind if sweep else {}),
     }
+    constants = sweep.constants if sweep else ABSENT
+    structs = [AIR, LIGHT, EXPOSURE, CLOUD_SHADOW, SHADOWS]
     onto: dict[str, Any] = {"color": ["frame.hdr"], "blend": "over", "order": ORDER}
     if coarse:
         graph.texture("frame.clouds_lit", "rgba16float", clouds.size)
@@ -94,9 +104,10 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
                     "ARTIST": False,
                     "POLAR": polar,
                     "SHADOWS": True,
+                    "LAND": sweep is not None,
                 },
-                constants={"REACH": float(clouds.reach), "SIDES": np.uint32(SIDES)},
-                structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
+                constants={**constants, "REACH": float(clouds.reach), "SIDES": np.uint32(SIDES)},
+                structs=structs,
                 topology="triangle-strip",
                 vertices=2 * SIDES + 2,
                 color=["frame.hdr"],
@@ -116,8 +127,10 @@ def add_clouds(graph: FrameGraph, clouds: Clouds) -> None:
                     "ARTIST": artist,
                     "POLAR": polar,
                     "SHADOWS": clouds.shadow is not None,
+                    "LAND": sweep is not None,
                 },
-                structs=[AIR, LIGHT, EXPOSURE, CLOUD_SHADOW],
+                structs=structs,
+                constants=constants,
                 when=when(key_moon, from_far),
                 **onto,
             )

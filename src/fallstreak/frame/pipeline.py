@@ -26,6 +26,7 @@ from .clouds import add_clouds
 from .exposure import Exposure, add_exposure_buffer
 from .gbuffer import add_gbuffer
 from .lighting import add_lighting
+from .shafts import add_shafts, land_shades
 from .temporal import Temporal, sequence_jitter
 from .tonemap import ToneMap
 
@@ -75,14 +76,16 @@ class Pipeline:
         add_exposure_buffer(graph)
         add_gbuffer(graph, size)
         graph.texture("frame.hdr", "rgba16float", size)
-        self.sky = Sky(graph.device, graph, world, quality, size)
+        self.sky = Sky(graph.device, graph, world, quality, size, shaded=land_shades(world))
         self.terrain = Terrain(graph.device, graph, world, quality, size, show=show)
         self.models = Models(graph, models)
         self.clouds = Clouds(graph, world, quality, size, accumulated=not temporal)
         self.shadows = Shadows(graph, world, quality, size, terrain=self.terrain, models=self.models)
+        if land_shades(world):
+            add_shafts(graph, self.shadows.sweep)
         past_clouds = self.clouds.any and self.clouds.shadow is not None
         add_lighting(graph, world, quality, size, clouds=past_clouds, shadows=self.shadows.any)
-        add_clouds(graph, self.clouds)
+        add_clouds(graph, self.clouds, self.shadows.sweep)
         self._resolve = (
             Temporal(graph, size, fast=quality.temporal_fast, clouds=self.clouds.any)
             if temporal

@@ -36,6 +36,7 @@ from fallstreak.world.state import (
 from . import frame as decode
 from .frame import LAYERS, Frame
 from .pipeline import Pipeline
+from .shafts import land_shades
 
 if TYPE_CHECKING:
     from fallstreak.world import World
@@ -149,7 +150,7 @@ class Renderer:
         with ThreadPoolExecutor(1) as beside:
             ground = beside.submit(terrain_model, world)
             self.device = Device.open(adapter)
-            rehearse(self.device, world, self.quality)
+            rehearse(self.device, world, self.quality, shaded=land_shades(world))
             ground.result()
         self._build()
 

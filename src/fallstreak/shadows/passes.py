@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any
 from ..gpu import FrameGraph
 from .cascades import CASCADES, PACKED, Cascades, Packed
 from .frame import SHADOWS, shadow_values
-from .sweep import Sweep
+from .sweep import ABSENT, Sweep
 
 if TYPE_CHECKING:
     from ..world import World
     from ..world.quality import Quality
     from ..world.state import FrameState
 
-_ABSENT = {"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1}
-_ABSENT |= {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0}
+_ABSENT = {"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1, **ABSENT}
 """Constants of what a world does not have, so that shaders link with every combination of flags."""
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fallstreak.gpu import EXPOSURE, VIEW, Device, FrameGraph
 
 from .air import AIR, Air
@@ -39,17 +41,28 @@ class Sky:
         Sizes and steps of the tables.
     size : (int, int)
         Of the picture, pixels.
+    shaded : bool
+        Something throws shadows into the air: whoever knows writes `sky.shares`, the sun's and the moon's
+        share of light (red, green) in each slice of the tables of the air before the camera.
     """
 
     def __init__(
-        self, device: Device, graph: FrameGraph, world: World, quality: Quality, size: tuple[int, int]
+        self,
+        device: Device,
+        graph: FrameGraph,
+        world: World,
+        quality: Quality,
+        size: tuple[int, int],
+        shaded: bool = False,
     ):
         self._celestial = Celestial(graph, world, quality)
         self._moon_matters = False
         self._view, self._light = graph.uniforms["view"].record, graph.uniforms["sky.light"].record
         graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
         _still_tables(graph, quality)
-        _frame_tables(graph, quality, lambda: self._moon_matters)
+        if shaded:
+            graph.texture("sky.shares", "rgba8unorm", quality.aerial_size, dimension="3d", persistent=True)
+        _frame_tables(graph, quality, lambda: self._moon_matters, shaded)
         shared = {"view": "view", "air": "sky.air", "light": "sky.light", "linear": _LINEAR}
         shared |= {"exposure": "frame.exposure@previous"}
         onto = {"color": ["frame.hdr"], "depth": "gbuffer.depth", "depth_write": False}
@@ -58,8 +71,13 @@ class Sky:
             graph.render(
                 name,
                 "package::sky::draw",
-                bind={**shared, "sky_view": "sky.view_table", "sky_view_moon": "sky.view_table_moon"},
-                flags={"MOON": moon},
+                bind={
+                    **shared,
+                    "sky_view": "sky.view_table",
+                    "sky_view_moon": "sky.view_table_moon",
+                    "inscatter": "sky.aerial_inscatter",
+                },
+                flags={"MOON": moon, "SHARES": shaded},
                 structs=structs,
                 depth_compare="equal",
                 vertices=3,
@@ -103,7 +121,7 @@ class Sky:
         self._moon_matters = float(moon[1]) * float(values["table_scale"]) > 0.9e-4
 
 
-def rehearse(device: Device, world: World, quality: Quality) -> None:
+def rehearse(device: Device, world: World, quality: Quality, shaded: bool) -> None:
     """Have the sky's tables made once for nothing, without waiting for them.
 
     Some drivers compile a shader when it first runs, on one core; so they begin with these while other things
@@ -114,7 +132,10 @@ def rehearse(device: Device, world: World, quality: Quality) -> None:
     graph.uniform("sky.light", LIGHT)
     graph.uniform("sky.air", AIR).set(**Air.of(world).uniform())
     _still_tables(graph, quality)
-    _frame_tables(graph, quality, _never)
+    if shaded:
+        lit = np.full((*quality.aerial_size[::-1], 4), 255, np.uint8)
+        graph.texture_data("sky.shares", lit, "rgba8unorm", dimension="3d")
+    _frame_tables(graph, quality, _never, shaded)
     graph.output("sky.view_table", "sky.aerial_inscatter", "sky.irradiance")
     graph.compile()
     graph.execute()
@@ -162,7 +183,9 @@ def _still_tables(graph: FrameGraph, quality: Quality) -> None:
     )
 
 
-def _frame_tables(graph: FrameGraph, quality: Quality, moon_matters: Callable[[], bool]) -> None:
+def _frame_tables(
+    graph: FrameGraph, quality: Quality, moon_matters: Callable[[], bool], shaded: bool
+) -> None:
     """Tables of the air under this frame's lights, from this frame's camera."""
     structs = [AIR, LIGHT]
     bind = {
@@ -195,9 +218,14 @@ def _frame_tables(graph: FrameGraph, quality: Quality, moon_matters: Callable[[]
         graph.compute(
             "sky.aerial" + suffix,
             "package::sky::aerial",
-            bind={**bind, "inscatter": "sky.aerial_inscatter", "through": "sky.aerial_transmittance"},
+            bind={
+                **bind,
+                "inscatter": "sky.aerial_inscatter",
+                "through": "sky.aerial_transmittance",
+                "shares": "sky.shares",
+            },
             groups=(-(-width // 8), -(-height // 8), 1),
-            flags={"MOON": moon},
+            flags={"MOON": moon, "SHARES": shaded},
             constants={"STEPS": quality.aerial_steps},
             structs=structs,
             when=when,

@@ -24,6 +24,6 @@ Files
     ``passes``, ``sweep.wesl``, ``lookup.wesl`` (what others ask)
 """
 
-from .passes import Sweep
+from .passes import ABSENT, Sweep
 
-__all__ = ["Sweep"]
+__all__ = ["ABSENT", "Sweep"]
