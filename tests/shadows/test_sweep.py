@@ -96,6 +96,21 @@ def test_a_penumbra_is_as_wide_as_the_disc_makes_it():
     assert np.isclose(away[:500][share[:500] < 0.001].max(), 1000.0 / tan(e + model.DISC), atol=60.0)
 
 
+def test_a_far_penumbra_lies_on_a_slope_that_nearly_faces_away():
+    """Ground that rises towards the light almost as steeply as it hides nothing, nor makes the shade deeper."""
+    e, spacing = radians(5.0), 20.0
+    away = (500 - np.arange(600)) * spacing
+    slope = tan(e - 1.5 * model.DISC)
+    heights = np.broadcast_to(-slope * away, (600, 600)).copy()
+    heights[:, 500] += 60.0
+    upper, lower = model.swept(heights, spacing, radians(90.0), e)
+    share = model.land_light(heights, upper, lower)[300, 20:498]
+    top = np.arctan(slope + 60.0 / away[20:498])  # of what hides, above the horizon
+    t = np.clip((e + model.DISC - top) / (2.0 * model.DISC), 0.0, 1.0)
+    np.testing.assert_allclose(share, t * t * (3.0 - 2.0 * t), atol=0.02)
+    assert ((share > 0.1) & (share < 0.9)).sum() > 100
+
+
 @pytest.fixture(scope="module")
 def stage(device):
     with pytest.MonkeyPatch.context() as patch:

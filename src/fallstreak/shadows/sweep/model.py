@@ -59,6 +59,7 @@ def swept(
     phase = (slope * first[northern] - first[not northern]) % 1.0
     lines = np.arange(n) + phase
     shadow = np.full((2, n), -1e6)
+    wide = np.zeros((2, n))  # m, of the penumbrae of what throws each
     out = np.empty((2, n, n))
     strip = None
     for i in range(n - 1, -1, -1) if major > 0 else range(n):
@@ -75,11 +76,26 @@ def swept(
         line = np.arange(n) - phase - slope * i
         left = np.floor(line).astype(int)
         part = line - left
-        out[:, i] = (1.0 - part) * shadow[:, left % n] + part * shadow[:, (left + 1) % n]
+        edges = np.stack([shadow[0], _lower(here, shadow, wide)])
+        out[:, i] = (1.0 - part) * edges[:, left % n] + part * edges[:, (left + 1) % n]
+        wide = np.where(here > shadow, 0.0, wide) + (fall[1] - fall[0])
         shadow = np.maximum(shadow, here) - fall
     if not northern:
         out = out.swapaxes(1, 2)
     return out[0] + drop, out[1] + drop
+
+
+def _lower(ground: np.ndarray, shadow: np.ndarray, wide: np.ndarray) -> np.ndarray:
+    """The lower height that gives ground its share of the light.
+
+    What hides the disc's upper edge first may be a summit far away, and what hides its lower edge the slope
+    next to a place, which from there hides nothing: each has its own penumbra, and the lesser share counts.
+    """
+    far_lower, near_upper = shadow[0] - wide[0], shadow[1] + wide[1]
+    far = np.clip((ground - far_lower) / np.maximum(wide[0], 1e-3), 0.0, 1.0)
+    near = np.clip((ground - shadow[1]) / np.maximum(near_upper - shadow[1], 1e-3), 0.0, 1.0)
+    mixed = (ground - near * shadow[0]) / np.maximum(1.0 - near, 1e-3)
+    return np.where(ground <= shadow[1], shadow[1], np.where(near < far, mixed, far_lower))
 
 
 def land_light(height: np.ndarray, upper: np.ndarray, lower: np.ndarray) -> np.ndarray:

@@ -91,7 +91,7 @@ class Sweep:
         nowhere = np.zeros((1, levels + 1, 4), np.float32)
         graph.texture_data("shadows.sweep_levels", nowhere, "rgba32float")
         kept = (width // KEPT[0]) * (width // KEPT[1])
-        graph.buffer("shadows.sweep_kept", 8 * kept * levels, persistent=True)
+        graph.buffer("shadows.sweep_kept", 16 * kept * levels, persistent=True)
         graph.compute(
             "shadows.sweep",
             "package::shadows::sweep::sweep",
