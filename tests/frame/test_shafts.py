@@ -14,7 +14,7 @@ FLAT = {"terrain": {"source": "fractal", "relief": 0.0}, "camera.height": 40.0}
 
 
 def slices(world):
-    """Share of sunlight in slices of the air (n,), their middles (n, 3) and the way to the sun, world axes."""
+    """Share of sunlight in slices of the air (n,); their middles (n, 3), way to the sun; world axes."""
     with fs.Renderer(world, (64, 36), "low") as renderer:
         renderer.render(0)
         shares = renderer.graph.read("sky.shares")[..., 0].astype(float)
@@ -39,6 +39,12 @@ def test_a_plain_leaves_the_air_all_its_light(time):
     shares, places, _ = slices(fs.load("long_shadows").updated({**VALLEY, **FLAT, "time": time}))
     near = np.linalg.norm(places, axis=1) < 200e3  # beyond, the planet's own shadow begins
     assert shares[near].min() > 0.99
+
+
+def test_from_where_no_table_is_asked_the_air_is_whole():
+    above = {"camera.above": "sea", "camera.height": 26e3, "camera.pitch": -30.0}
+    shares, *_ = slices(fs.load("long_shadows").updated({**VALLEY, **above}))
+    assert shares.min() == 1.0
 
 
 def test_air_is_dark_where_rays_meet_the_land():
