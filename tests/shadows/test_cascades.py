@@ -286,6 +286,24 @@ def test_a_mover_is_never_half_in_shadow(device, monkeypatch, files):
     assert stage.cascades.drawn == {stage.cascades._moving}
 
 
+def test_the_nearest_mover_has_a_fine_map(device, monkeypatch, files):
+    """Two cubes a kilometre apart: each throws its shadow, and the nearer one's has fine texels."""
+    ways = [{"at": 0.0, "heading": 0.0}, {"at": 9.0, "heading": 90.0}]
+    things = [
+        {"file": files["cube"], "name": n, "above": "sea", "height": 5.0, "east": e, "keyframes": ways}
+        for n, e in (("near", 0.0), ("far", 1000.0))
+    ]
+    stage, key = Stage(device, monkeypatch, things), toward(180.0, 60.0)
+    for camera, close in ((0.0, 0.0), (900.0, 1000.0)):
+        around_it = ground((close, 5.0 / np.tan(np.radians(60.0))), 3.0)
+        light = stage.look([camera, -5.0, 2.0], key, around_it, fresh=False)
+        dark = shaded(around_it, key, triangles_of(stage, "near" if close == 0.0 else "far"))
+        assert stage.cascades._window(stage.cascades._moving).texel(TEXELS) < 0.01
+        assert ((light < 0.5) != dark).mean() < 0.02
+        other = ground((1000.0 - close, 5.0 / np.tan(np.radians(60.0))), 3.0)
+        assert stage.look([camera, -5.0, 2.0], key, other, fresh=False).min() < 0.5
+
+
 def test_turning_and_a_tenth_of_a_texel_change_nothing(device, monkeypatch, files):
     """Shimmer: the same places, as the camera turns and moves by a tenth of the finest texel."""
     thing = {"file": files["cube"], "name": "cube", "above": "sea", "height": 2.0, "heading": 33.0}

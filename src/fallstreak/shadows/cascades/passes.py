@@ -22,6 +22,8 @@ LARGE_RADIUS = 100.0
 """m, from which on a model belongs to the map of large ones."""
 FAR = 3e3
 """m from the camera, within which small models that move throw shadows."""
+TOGETHER = 60.0
+"""m from the nearest of them, within which others share its map; the rest have that of large ones, if free."""
 LOWEST = -0.03
 """Sine of the light's elevation under which nothing is drawn: there is none on the ground."""
 
@@ -135,7 +137,7 @@ class Cascades:
         centre = camera + np.array([0.0, 0.0, state.planet_radius])
         if float(key @ centre) > LOWEST * float(np.linalg.norm(centre)):
             bounds = self._models.bounds(state)
-            changed = self._sort(bounds)
+            changed = self._sort(bounds, camera)
             if fresh:
                 self._keep.change()
                 changed |= {self._large, self._moving}
@@ -156,15 +158,15 @@ class Cascades:
         self.drawn = set(jobs)
         self._frame.set(**self._values(key, camera))
 
-    def _sort(self, bounds: list[Any]) -> set[int]:
+    def _sort(self, bounds: list[Any], camera: np.ndarray) -> set[int]:
         """Which map each model belongs to; returns those in which something has changed."""
-        changed = set()
+        changed, apart = set(), _apart(bounds, camera)
         for number, found in enumerate(bounds):
             home = self._large - 1
             if found.radius >= LARGE_RADIUS:
                 home = self._large
             elif found.movable:
-                home = self._moving
+                home = self._large if number in apart else self._moving
             before = self._home[number]
             if self._known[number] is not found.transforms or home != before:
                 changed |= {home, before}
@@ -185,9 +187,8 @@ class Cascades:
         chosen = [found for found, home in zip(bounds, self._home, strict=True) if home == number]
         centres = np.concatenate([found.centres for found in chosen]) if chosen else np.zeros((0, 3))
         radii = np.repeat([found.radius for found in chosen], [len(found.centres) for found in chosen])
-        if number == self._moving:
-            close = np.linalg.norm(centres - camera, axis=1) < FAR
-            centres, radii = centres[close], radii[close]
+        close = (radii >= LARGE_RADIUS) | (np.linalg.norm(centres - camera, axis=1) < FAR)
+        centres, radii = centres[close], radii[close]
         window = about(axes_near(key, number), centres, radii) if len(centres) else None
         before, self._fitted[number] = self._fitted[number], window
         return [number] if window is not None and (changed or window != before) else []
@@ -220,3 +221,15 @@ class Cascades:
             "drawn": sum(1 << number for number in self.drawn),
             "places": places,
         }
+
+
+def _apart(bounds: list[Any], camera: np.ndarray) -> set[int]:
+    """Small models that move too far from the nearest to share a map with it; none where any are large."""
+    if any(found.radius >= LARGE_RADIUS for found in bounds):
+        return set()
+    movers = {n: found.centres for n, found in enumerate(bounds) if found.movable and len(found.centres)}
+    if len(movers) < 2:
+        return set()
+    every = np.concatenate(list(movers.values()))
+    nearest = every[np.argmin(np.linalg.norm(every - camera, axis=1))]
+    return {n for n, at in movers.items() if np.linalg.norm(at - nearest, axis=1).min() > TOGETHER}
