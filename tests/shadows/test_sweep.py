@@ -1,7 +1,7 @@
 """Shadows of the land: the swept heights against rays, the GPU against its twin, and in motion."""
 
 from itertools import pairwise
-from math import cos, radians, sin, tan
+from math import radians, tan
 
 import numpy as np
 import pytest
@@ -15,23 +15,6 @@ from .sweep_stage import Stage
 
 AZIMUTHS = (20, 80, 140, 200, 260, 320)
 RADIUS = 6_371_000.0
-
-
-def between(grid, column, row):
-    i, j = column.astype(int), row.astype(int)
-    fx, fy = column - i, row - j
-    south = grid[j, i] + fx * (grid[j, i + 1] - grid[j, i])
-    north = grid[j + 1, i] + fx * (grid[j + 1, i + 1] - grid[j + 1, i])
-    return south + fy * (north - south)
-
-
-def turned_away(grid, spacing, column, row, azimuth, elevation):
-    """Whether the bilinear ground faces away from the light: then it is dark without any shadow."""
-    i, j = column.astype(int), row.astype(int)
-    fx, fy = column - i, row - j
-    east = (grid[j, i + 1] - grid[j, i]) * (1 - fy) + (grid[j + 1, i + 1] - grid[j + 1, i]) * fy
-    north = (grid[j + 1, i] - grid[j, i]) * (1 - fx) + (grid[j + 1, i + 1] - grid[j, i + 1]) * fx
-    return (east * sin(azimuth) + north * cos(azimuth)) / spacing > tan(elevation)
 
 
 def iou(a, b):
@@ -53,18 +36,14 @@ def jacksboro():
 def test_no_light_where_rays_find_none(jacksboro, azimuth, elevation):
     heights, places = jacksboro
     a, e = radians(azimuth), radians(elevation)
-    column, row = places.T
-    ground = between(heights, column, row)
-    upper, _ = model.swept(heights, 32.0, a, e, disc=0.0)  # its middle, as of the rays
-    dark = (ground < between(upper, column, row)) | turned_away(heights, 32.0, column, row, a, e)
-    rays = ~model.rays(heights, 32.0, a, e, at=np.column_stack([places, ground + 1e-3]))
+    dark, rays = model.dark_by_both(heights, 32.0, a, e, places)
     assert (dark != rays).mean() < 0.0125
-    # at 25 degrees 2 to 4 % of this land is dark, in slivers about a sample wide
-    assert iou(dark, rays) > (0.97 if elevation < 25 else 0.89)
+    # at 25 degrees 1 to 4 % of this land is dark, in slivers about a sample wide
+    assert iou(dark, rays) > (0.98 if elevation < 25 else 0.9)
 
 
 @pytest.mark.parametrize("azimuth", [10, 100, 250])
-@pytest.mark.parametrize("elevation", [2, 3, 6])
+@pytest.mark.parametrize("elevation", [2, 3, 6, 12])
 def test_the_planet_curves_under_a_range_a_hundred_kilometres_wide(azimuth, elevation):
     n, spacing = 1000, 100.0
     along = (np.arange(n) - n // 2) * spacing
@@ -73,15 +52,11 @@ def test_the_planet_curves_under_a_range_a_hundred_kilometres_wide(azimuth, elev
     heights += 400.0 * np.sin(x / 2100.0) * np.sin(y / 2500.0)
     a, e = radians(azimuth), radians(elevation)
     places = np.random.default_rng(4).uniform(40.0, 959.0, (8000, 2))
-    column, row = places.T
-    ground = between(heights, column, row)
-    at = np.column_stack([places, ground + 1e-3])
-    upper, _ = model.swept(heights, spacing, a, e, RADIUS, disc=0.0)  # its middle, as of the rays
-    dark = (ground < between(upper, column, row)) | turned_away(heights, spacing, column, row, a, e)
-    rays = ~model.rays(heights, spacing, a, e, RADIUS, at=at)
+    dark, rays = model.dark_by_both(heights, spacing, a, e, places, RADIUS)
+    at = np.column_stack([places, model.between(heights, *places.T) + 1e-3])
     flat = ~model.rays(heights, spacing, a, e, at=at)
-    assert iou(dark, rays) > 0.98
-    assert iou(dark, rays) > iou(dark, flat)
+    assert iou(dark, rays) > (0.98 if elevation < 12 else 0.97)
+    assert elevation > 6 or iou(dark, rays) > iou(dark, flat)
 
 
 def test_a_penumbra_is_as_wide_as_the_disc_makes_it():
@@ -97,7 +72,7 @@ def test_a_penumbra_is_as_wide_as_the_disc_makes_it():
 
 
 def test_a_far_penumbra_lies_on_a_slope_that_nearly_faces_away():
-    """Ground that rises towards the light almost as steeply as it hides nothing, nor makes the shade deeper."""
+    """Ground that rises almost as steeply as the light hides nothing, nor makes the shade deeper."""
     e, spacing = radians(5.0), 20.0
     away = (500 - np.arange(600)) * spacing
     slope = tan(e - 1.5 * model.DISC)
@@ -171,6 +146,7 @@ def test_shadows_reach_down_to_the_camera_from_fifty_kilometres(device, monkeypa
     heights = stage.terrain.model.shape(*np.meshgrid(along, along), spacing)
     heights = np.maximum(heights.height, heights.water)
     at = np.column_stack([places[:, :2] / spacing + n // 2, places[:, 2]])
+    at[:, 2] = np.maximum(at[:, 2], model.between(heights, at[:, 0], at[:, 1]))  # not under these samples
     seen = model.rays(heights, spacing, radians(240), radians(2), stage.radius, at=at)
     assert ((share > 0.5) != seen).mean() < 0.1
 

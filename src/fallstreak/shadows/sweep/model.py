@@ -18,8 +18,9 @@ def swept(
     radius: float | None = None,
     disc: float = DISC,
     first: tuple[int, int] = (0, 0),
+    at: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heights under which the light's disc is hidden, at the samples of a grid.
+    """Heights under which the light's disc is hidden, at the samples of a grid or between them.
 
     Lines along the azimuth lie in a sheared grid: at row i of the major axis line j has the minor coordinate
     (j + phase + slope i) mod n; two running maxima fall by the tangents of the disc's lower and upper edge.
@@ -38,10 +39,12 @@ def swept(
         rad, radius of the light's disc.
     first : (int, int)
         The grid's first sample in the world, east and north: lines stand still there, wherever the grid lies.
+    at : (m, 2), optional
+        Columns and rows between samples, bilinear in the sheared grid as ``lookup.wesl`` has it.
 
     Returns
     -------
-    upper, lower : (n, n)
+    upper, lower : (n, n) or (m,)
         m: from `upper` on all of the disc is seen, below `lower` nothing. What comes from outside of the grid
         is not known: there they are low.
     """
@@ -60,7 +63,7 @@ def swept(
     lines = np.arange(n) + phase
     shadow = np.full((2, n), -1e6)
     wide = np.zeros((2, n))  # m, of the penumbrae of what throws each
-    out = np.empty((2, n, n))
+    edges = np.empty((2, n, n))  # row of the major axis, line
     strip = None
     for i in range(n - 1, -1, -1) if major > 0 else range(n):
         along = lines + slope * i
@@ -72,17 +75,29 @@ def swept(
         low = np.minimum(place.astype(int), n - 1)
         high = np.minimum(low + 1, n - 1)
         here = ground[i, low] + (place - low) * (ground[i, high] - ground[i, low])
-        # back to the samples: the lines to both sides of each
-        line = np.arange(n) - phase - slope * i
-        left = np.floor(line).astype(int)
-        part = line - left
-        edges = np.stack([shadow[0], _lower(here, shadow, wide)])
-        out[:, i] = (1.0 - part) * edges[:, left % n] + part * edges[:, (left + 1) % n]
+        edges[0, i], edges[1, i] = shadow[0], _lower(here, shadow, wide)
         wide = np.where(here > shadow, 0.0, wide) + (fall[1] - fall[0])
         shadow = np.maximum(shadow, here) - fall
-    if not northern:
-        out = out.swapaxes(1, 2)
-    return out[0] + drop, out[1] + drop
+    if at is None:
+        row, column = np.mgrid[0:n, 0:n].astype(float)
+    else:
+        column, row = at.T
+    found = _sheared(edges, row if northern else column, column if northern else row, slope, phase)
+    found += drop if at is None else _sunk(at, n, spacing, radius)
+    return found[0], found[1]
+
+
+def _sheared(
+    edges: np.ndarray, along: np.ndarray, across: np.ndarray, slope: float, phase: float
+) -> np.ndarray:
+    """Between the nodes of the sheared grid; `along` the major axis, `across` it."""
+    n = edges.shape[1]
+    line = across - phase - slope * along
+    left, row = np.floor(line).astype(int), np.minimum(along.astype(int), n - 2)
+    part, f = line - left, along - row
+    near = (1.0 - part) * edges[:, row, left % n] + part * edges[:, row, (left + 1) % n]
+    far = (1.0 - part) * edges[:, row + 1, left % n] + part * edges[:, row + 1, (left + 1) % n]
+    return (1.0 - f) * near + f * far
 
 
 def _lower(ground: np.ndarray, shadow: np.ndarray, wide: np.ndarray) -> np.ndarray:
@@ -120,7 +135,7 @@ def rays(
     heights, spacing, azimuth, elevation, radius
         As for `swept`.
     step : float
-        Of a ray, in samples.
+        Of a ray, in samples; an eighth of it over the first two.
     at : (m, 3), optional
         From where: column, row, m above sea level. Without it from each sample.
 
@@ -137,28 +152,73 @@ def rays(
         start = ground.ravel()
     else:
         x, y = at[:, 0], at[:, 1]
-        away = np.hypot(x - n // 2, y - n // 2) * spacing
-        start = at[:, 2] - (0.0 if radius is None else away**2 / (2.0 * radius))
+        start = at[:, 2] - _sunk(at[:, :2], n, spacing, radius)
     seen = np.ones(len(start), bool)
     alive = np.arange(len(start))
-    rise = step * spacing * tan(elevation)
+    rise = spacing * tan(elevation)
     highest = ground.max()
-    travelled = 0
+    travelled = 0.0
     while alive.size:
-        travelled += 1
-        px, py = x[alive] + way[0] * step * travelled, y[alive] + way[1] * step * travelled
+        travelled += step if travelled >= 2.0 else 0.125 * step
+        px, py = x[alive] + way[0] * travelled, y[alive] + way[1] * travelled
         inside = (px >= 0) & (py >= 0) & (px <= n - 1) & (py <= n - 1)
         z = start[alive] + rise * travelled
         inside &= z <= highest
         alive, px, py, z = alive[inside], px[inside], py[inside], z[inside]
-        i, j = np.minimum(px.astype(int), n - 2), np.minimum(py.astype(int), n - 2)
-        fx, fy = px - i, py - j
-        south = ground[j, i] + fx * (ground[j, i + 1] - ground[j, i])
-        north = ground[j + 1, i] + fx * (ground[j + 1, i + 1] - ground[j + 1, i])
-        hit = south + fy * (north - south) > z + 1e-9
+        hit = between(ground, px, py) > z + 1e-9
         seen[alive[hit]] = False
         alive = alive[~hit]
     return seen.reshape(n, n) if at is None else seen
+
+
+def between(grid: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarray:
+    """Bilinear between the samples of a grid."""
+    i, j, fx, fy = _cell(grid, column, row)
+    south = grid[j, i] + fx * (grid[j, i + 1] - grid[j, i])
+    north = grid[j + 1, i] + fx * (grid[j + 1, i + 1] - grid[j + 1, i])
+    return south + fy * (north - south)
+
+
+def turned_away(
+    grid: np.ndarray, spacing: float, column: np.ndarray, row: np.ndarray, azimuth: float, elevation: float
+) -> np.ndarray:
+    """Whether the bilinear ground faces away from the light: then it is dark without any shadow."""
+    i, j, fx, fy = _cell(grid, column, row)
+    east = (grid[j, i + 1] - grid[j, i]) * (1 - fy) + (grid[j + 1, i + 1] - grid[j + 1, i]) * fy
+    north = (grid[j + 1, i] - grid[j, i]) * (1 - fx) + (grid[j + 1, i + 1] - grid[j, i + 1]) * fx
+    return (east * sin(azimuth) + north * cos(azimuth)) / spacing > tan(elevation)
+
+
+def dark_by_both(
+    heights: np.ndarray,
+    spacing: float,
+    azimuth: float,
+    elevation: float,
+    places: np.ndarray,
+    radius: float | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places (m, 2: column, row) on the ground that are dark by the sweep, or turned away; and by rays."""
+    column, row = places.T
+    ground = between(heights, column, row)
+    # the disc's middle, as of the rays
+    upper, _ = swept(heights, spacing, azimuth, elevation, radius, disc=0.0, at=places)
+    dark = (ground < upper) | turned_away(heights, spacing, column, row, azimuth, elevation)
+    at = np.column_stack([places, ground + 1e-3])
+    return dark, ~rays(heights, spacing, azimuth, elevation, radius, at=at)
+
+
+def _cell(
+    grid: np.ndarray, column: np.ndarray, row: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Column and row of the cell around places, and where in it they are."""
+    i = np.minimum(column.astype(int), grid.shape[1] - 2)
+    j = np.minimum(row.astype(int), grid.shape[0] - 2)
+    return i, j, column - i, row - j
+
+
+def _sunk(at: np.ndarray, n: int, spacing: float, radius: float | None) -> np.ndarray | float:
+    """m by which the planet sinks below that plane at places (m, 2: column, row)."""
+    return 0.0 if radius is None else ((at - n // 2) ** 2).sum(-1) * spacing**2 / (2.0 * radius)
 
 
 def _drop(n: int, spacing: float, radius: float | None) -> np.ndarray:
