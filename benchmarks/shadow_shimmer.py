@@ -124,7 +124,7 @@ def _compare(stage: Stage, camera: CameraState, before: Picture, now: Picture) -
     return int(seen.sum()), int((seen & (np.abs(four.mean(0) - before.light) > FLIP)).sum())
 
 
-def land_steps(stage: Stage, farthest: float = 2e4) -> list[tuple[float, int, int]]:
+def land_steps(stage: Stage, farthest: float = 1e4) -> list[tuple[float, int, int]]:
     """What flips as a window of the swept land moves on.
 
     Returns

@@ -23,7 +23,7 @@ LARGE_RADIUS = 100.0
 FAR = 3e3
 """m from the camera, within which small models that move throw shadows."""
 TOGETHER = 60.0
-"""m from the nearest of them, within which others share its map; the rest have that of large ones, if free."""
+"""m from the nearest of them, within which more share its map; others have that of large ones, if free."""
 LOWEST = -0.03
 """Sine of the light's elevation under which nothing is drawn: there is none on the ground."""
 
