@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shadow_shimmer import walk
+from shadow_shimmer import land_steps, walk
 from shadow_stage import Stage
 
 import fallstreak as fs
@@ -28,6 +28,13 @@ def test_nothing_flips(device, quality, contact):
     assert 0.2 < found.dark < 0.8
     assert sum(found.flipped.values()) == 0
     assert found.pixels_flipped == 0
+
+
+def test_nothing_flips_as_windows_of_land_step(device):
+    """The narrow windows of a small picture: nothing is asked of them that they may not hold."""
+    found = land_steps(stage_of(device, contact=0.0), farthest=200.0)
+    assert len(found) > 3
+    assert [flipped for *_, flipped in found] == [0] * len(found)
 
 
 def test_the_journals_maps_flip(device):
