@@ -259,7 +259,7 @@ def _acne(report):
     report.add("places of land that shade themselves", acne, "", goal="<= 0", how=how)
 
 
-_BYTES = {"r32float": 4, "depth32float": 4, "rgba16float": 8, "rg8unorm": 2}
+_BYTES = {"rgba32float": 16, "r32float": 4, "depth32float": 4, "rgba16float": 8, "rg8unorm": 2}
 
 
 def _memory(report):
