@@ -16,8 +16,8 @@ When
 
 Limits
     Shadows are as sharp as a level's samples, which are coarser than the picture's pixels far away; a
-    window's samples are 1/60 to 1/250 of the distance by quality. One height each: nothing is lit under an
-    overhang.
+    window's samples are 1/87 to 1/302 of the distance by quality and size. One height each: nothing is lit
+    under an overhang.
 
 Files
     ``model`` (the same in float64 on the CPU, and rays to check it by), ``schedule`` (which levels are due),
