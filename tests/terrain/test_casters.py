@@ -138,7 +138,8 @@ def test_a_plant_leans_from_its_foot_to_behind_its_crown(device):
     # `places` is where the picture's middle is put; its stem stands nearer to the light
     away = (depth[row, column] - places[:, 2]) * 2.0 * RANGE
     assert len(places) > 20
-    assert away[depth[row, column] > 0].min() > -0.3
+    # what lies behind it is seen through the gaps of the crown
+    assert 0.02 < (away < -0.3).mean() < 0.3
     assert (np.abs(away) < 0.3).mean() > 0.1
     # flat ground 20 m below the camera: how high over it the point of the stem is that was moved back
     across, along = places[:, :2] * shade.half, (places[:, 2] - 0.5) * 2.0 * RANGE
