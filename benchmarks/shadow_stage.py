@@ -15,8 +15,7 @@ from fallstreak.frame.gbuffer import add_gbuffer
 from fallstreak.gpu import VIEW, Device, FrameGraph
 from fallstreak.models.passes import Models
 from fallstreak.models.poses import PlacedModels
-from fallstreak.shadows.cascades import CASCADES, PACKED, Cascades, Packed
-from fallstreak.shadows.frame import SHADOWS
+from fallstreak.shadows.cascades import Cascades
 from fallstreak.shadows.passes import Shadows
 from fallstreak.sky.passes import Sky
 from fallstreak.terrain.passes import Terrain
@@ -98,34 +97,17 @@ class Stage:
         self._frames = 0
 
     def _add_probe(self) -> None:
-        graph, shadows = self.graph, self.shadows
-        bind = {"view": "view", "shadows": "shadows.frame", "repeat": "sampler:linear-repeat"}
-        constants = {"LEVELS": 1, "NEAR": 1.0, "TEXELS": 1}
-        constants |= {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0}
-        flags = {"MODELS": False, "WIDE": False}
-        for part in (shadows.sweep, shadows.cascades):
-            if part is not None:
-                bind |= part.bind
-                constants |= part.constants
-        if shadows.cascades is not None:
-            flags |= shadows.cascades.flags
+        graph, asked = self.graph, self.shadows.lookups()
         for name in ("places", "normals"):
             graph.buffer_data(f"shadows.{name}", np.zeros((self._count, 4), np.float32))
-            bind[name] = f"shadows.{name}"
+            asked["bind"][name] = f"shadows.{name}"
         graph.buffer("shadows.found", 8 * self._count)
+        asked["bind"]["found"] = "shadows.found"
         graph.compute(
             "shadows.probe",
             "package::shadows::selftest_light",
-            bind=bind | {"found": "shadows.found"},
             groups=(-(-self._count // 64), 1, 1),
-            structs=[SHADOWS, CASCADES, PACKED],
-            constants=constants,
-            flags=flags
-            | {
-                "LAND": shadows.sweep is not None,
-                "THINGS": isinstance(shadows.cascades, Cascades),
-                "PACKED": isinstance(shadows.cascades, Packed),
-            },
+            **asked,
         )
 
     @property

@@ -71,22 +71,7 @@ class Shadows:
         self._settings = settings
         self._light = graph.uniforms["sky.light"]
         self._frame = graph.uniform("shadows.frame", SHADOWS)
-        bind = {
-            "view": "view",
-            "shadows": "shadows.frame",
-            "depth_buffer": "gbuffer.depth",
-            "normal_buffer": "gbuffer.normal",
-            "surface_buffer": "gbuffer.surface",
-            "repeat": "sampler:linear-repeat",
-        }
-        constants: dict[str, Any] = dict(_ABSENT)
-        flags = {"MODELS": False, "WIDE": False}
-        for part in (self.sweep, self.cascades):
-            if part is not None:
-                bind |= part.bind
-                constants |= part.constants
-        if self.cascades is not None:
-            flags |= self.cascades.flags
+        asked = self.lookups()
         graph.texture("shadows.light", "rg8unorm", size)
         graph.render(
             "shadows.light",
@@ -95,21 +80,38 @@ class Shadows:
             depth="gbuffer.depth",
             depth_compare="less",
             depth_write=False,
-            bind=bind,
-            structs=[SHADOWS, CASCADES, PACKED],
-            constants=constants,
-            flags={
-                "WOODS": terrain.wooded,
-                "LAND": self.sweep is not None,
-                "THINGS": isinstance(self.cascades, Cascades),
-                "PACKED": isinstance(self.cascades, Packed),
-                "CONTACT": settings.contact > 0.0,
-                **flags,
+            bind=asked["bind"]
+            | {
+                "depth_buffer": "gbuffer.depth",
+                "normal_buffer": "gbuffer.normal",
+                "surface_buffer": "gbuffer.surface",
             },
+            structs=asked["structs"],
+            constants=asked["constants"],
+            flags=asked["flags"] | {"WOODS": terrain.wooded, "CONTACT": settings.contact > 0.0},
         )
-
         if settings.show:
             self._add_show(graph)
+
+    def lookups(self) -> dict[str, Any]:
+        """What a pass declares that asks land and things for light: bind, constants, flags, structs."""
+        parts = [part for part in (self.sweep, self.cascades) if part is not None]
+        bind = {"view": "view", "shadows": "shadows.frame", "repeat": "sampler:linear-repeat"}
+        constants: dict[str, Any] = dict(_ABSENT)
+        for part in parts:
+            bind |= part.bind
+            constants |= part.constants
+        flags = {
+            "LAND": self.sweep is not None,
+            "THINGS": isinstance(self.cascades, Cascades),
+            "PACKED": isinstance(self.cascades, Packed),
+            "MODELS": False,
+            "WIDE": False,
+        }
+        if self.cascades is not None:
+            flags |= self.cascades.flags
+        structs = [SHADOWS, CASCADES, PACKED]
+        return {"bind": bind, "constants": constants, "flags": flags, "structs": structs}
 
     def _add_show(self, graph: FrameGraph) -> None:
         """Tint the picture by the maps, after light has fallen on it."""
