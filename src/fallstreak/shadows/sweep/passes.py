@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians, tan
+from math import cos, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,9 +20,9 @@ MOST_TILES = 20
 TILE = 32
 KEPT = (2, 4)
 """Every second line and every fourth sample along it is kept as it is, for the next finer level."""
-BEFORE = {False: 1.0, True: 4.0}
-"""Samples by which a wall is asked for before itself; where land has overhangs, one height stands for two."""
-ABSENT = {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_BEFORE": 1.0}
+RECESS = {False: 0.0, True: 24.0}
+"""m, how deep walls that lean over may lie behind their edges; 0: none do."""
+ABSENT = {"SWEEP_SPACING": 1.0, "SWEEP_WIDTH": 32, "SWEEP_LEVELS": 1, "SWEEP_RECESS": 0.0}
 """Constants of land that throws no shadows, so that shaders link with every combination of flags."""
 LOWEST, HIGHEST = radians(-6.0), radians(85.0)
 """Elevations between which the light is taken to be."""
@@ -83,7 +83,7 @@ class Sweep:
             "SWEEP_SPACING": float(profile.spacing),
             "SWEEP_WIDTH": width,
             "SWEEP_LEVELS": levels,
-            "SWEEP_BEFORE": BEFORE[profile.flags["SHIFT"]],
+            "SWEEP_RECESS": RECESS[profile.flags["SHIFT"]],
         }
         graph.texture(
             "shadows.sweep", "rgba16float", (width, width, levels), dimension="2d-array", persistent=True
@@ -129,7 +129,8 @@ class Sweep:
             if number < len(due) - 1:
                 self._graph.make("shadows.sweep")
         self._due = bool(due)
-        self._graph.upload("shadows.sweep_levels", self._levels_from(camera / self._spacing[:, None], finest))
+        towards = local_axes(float(camera[0]), float(camera[1]), state.planet_radius).T @ key
+        self._graph.upload("shadows.sweep_levels", self._levels_from(camera, finest, towards))
 
     def _lay(self, level: int, key: np.ndarray, radius: float) -> None:
         """Set the job of a level."""
@@ -184,11 +185,12 @@ class Sweep:
             ),
         }
 
-    def _levels_from(self, samples: np.ndarray, finest: int) -> np.ndarray:
-        """What lookup.wesl asks of each level: the camera moves, the windows stay."""
+    def _levels_from(self, camera: np.ndarray, finest: int, towards: np.ndarray) -> np.ndarray:
+        """What lookup.wesl asks of each level, as the camera moves and windows stay, and of the light."""
         texels = np.zeros((1, self._levels + 1, 4), np.float32)
-        place = (samples - self._schedule.firsts) / self._width
+        place = (camera / self._spacing[:, None] - self._schedule.firsts) / self._width
         lies = self._lies.copy()
         lies[:, :2] += np.where(self._lies[:, 3:] > 0.5, place[:, ::-1], place)
-        texels[0, :-1], texels[0, -1, 0] = lies, finest
+        along = max(float(np.hypot(*towards[:2])), cos(HIGHEST))
+        texels[0, :-1], texels[0, -1] = lies, (finest, *(towards / along))
         return texels
