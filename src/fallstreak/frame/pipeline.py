@@ -81,7 +81,7 @@ class Pipeline:
         self.models = Models(graph, models)
         self.clouds = Clouds(graph, world, quality, size, accumulated=not temporal)
         self.shadows = Shadows(graph, world, quality, size, terrain=self.terrain, models=self.models)
-        if land_shades(world):
+        if land_shades(world) and self.shadows.sweep is not None:
             add_shafts(graph, self.shadows.sweep)
         past_clouds = self.clouds.any and self.clouds.shadow is not None
         add_lighting(graph, world, quality, size, clouds=past_clouds, shadows=self.shadows.any)
